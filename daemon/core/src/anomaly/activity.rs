@@ -9,7 +9,7 @@ use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
 use crate::couple::Context;
 use crate::input::Side;
-use crate::job::Job;
+use crate::job::{Job, NominalActivity};
 use crate::set::ActivitySet;
 use crate::verdict::{BrokenOrder, Measured, Note, Reason};
 use heapless::Vec;
@@ -252,9 +252,8 @@ impl OpenActivity {
     pub(super) fn resume(&mut self, job: &Job<'_>, context: Context) {
         let is_same = context == Context::IDLE || context == self.newest.0;
         if self.junction.hidden > 0 && is_same {
-            // The hand may have let go meanwhile; that it began again with the same object as well is only thought of what was not judged.
-            let may_have_let_go = context == Context::IDLE || self.unjudged.is_some();
-            if may_have_let_go && self.junction.hidden > self.min_idle_frames {
+            // The hand may have let go meanwhile, and begun again with the same object.
+            if self.junction.hidden > self.min_idle_frames {
                 self.note_possible_end(job);
             }
             let hidden = core::mem::take(&mut self.junction.hidden);
@@ -277,9 +276,23 @@ impl OpenActivity {
 
     /// Whether what is missing may have happened unseen.
     pub(super) fn may_be_complete(&self, job: &Job<'_>) -> bool {
+        self.may_have_come(job).next().is_some()
+    }
+
+    /// The nominal activities that may have come to their end, with what may have happened unseen.
+    pub(super) fn may_have_come(&self, job: &Job<'_>) -> impl Iterator<Item = usize> {
         let hidden = self.junction.hidden;
-        let mut all = self.places.iter().zip(job.activities);
-        all.any(|(places, nominal)| places.may_be_complete(nominal.ius, hidden))
+        let all = self.places.iter().zip(job.activities).enumerate();
+        let may_have_come = move |places: &Places, nominal: &NominalActivity<'_>| {
+            !places.is_empty() && self.may_have_ended || places.may_be_complete(nominal.ius, hidden)
+        };
+        let complete = all.filter(move |(_, (places, nominal))| may_have_come(places, nominal));
+        complete.map(|(nominal, _)| nominal)
+    }
+
+    /// Whether all its IUs may have come before the newest one.
+    pub(super) fn may_have_ended(&self) -> bool {
+        self.may_have_ended
     }
 
     /// Whether it must have ended unseen: what has come since then is no part of it.

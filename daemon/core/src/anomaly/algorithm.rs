@@ -61,7 +61,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             activity.add_hidden(self.watch.newly_hidden());
             // An IU that began in doubt is confirmed elsewhere.
             if self.watch.is_certain() && self.iu.is_none_or(|iu| iu.is_certain) {
-                activity.resume(progress.job, activity.as_shown(couple.context));
+                // What begins with this couple is not what went on unseen.
+                let context = if self.iu.is_some() { couple.context } else { Context::IDLE };
+                activity.resume(progress.job, activity.as_shown(context));
             }
         }
     }

@@ -143,7 +143,8 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
     pub(super) fn add(&mut self, job: &'a Job<'a>, nominal: usize, index: usize) {
         let ius = job.activities[nominal].ius;
         let iu = &ius[index];
-        let is_unique = ius.iter().filter(|other| other.context == iu.context).count() == 1;
+        // An activity of one IU may come again behind it.
+        let is_unique = ius.len() > 1 && ius.iter().filter(|other| other.context == iu.context).count() == 1;
         if let Some(distance) = self.distances.as_mut().get_mut(self.comparisons.len()) {
             // The lengths were checked when the judge was made, so this does not fail.
             if distance.begin(iu.reference).is_ok() {

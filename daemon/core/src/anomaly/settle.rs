@@ -65,6 +65,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         emit: &mut impl FnMut(Verdict),
     ) {
         progress.set_waiting(self.side, None);
+        let job = progress.job;
+        let may_have_let_go = self.iu.is_none() || self.watch.is_doubtful() || self.watch.hidden_frames() > 0;
+        let activity = self.activity.as_ref().filter(|activity| may_have_let_go || activity.may_have_ended());
+        progress.set_may_have_ended(
+            self.side,
+            activity.into_iter().flat_map(|activity| activity.may_have_come(job)),
+        );
         if !self.is_resting() {
             return;
         }
@@ -79,7 +86,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             segmenter.activity_matched(&[]);
             return;
         }
-        let job = progress.job;
         if activity.is_followed_to_its_end(job) {
             // If it is done again at once, that is another activity, unless a longer one may go on so.
             let mut continuations = activity.continuations(job);
@@ -98,14 +104,21 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         let Some(nominal) = activity.matched(self.side, progress) else {
             // What the hand does after it has been idle is another activity, unless it is idle in the middle of this one.
-            if self.watch.was_idle() && activity.has_ended_if_idle(job) || activity.must_have_ended() {
+            let may_be_next = self.iu.is_none() && progress.may_be_matched() && activity.may_be_complete(job);
+            if self.watch.was_idle() && activity.has_ended_if_idle(job)
+                || activity.must_have_ended()
+                || may_be_next
+            {
                 segmenter.activity_matched(&[]);
             }
             return;
         };
         if job.allows_insertions(nominal) {
-            // Whatever the hand goes on to do with the same object belongs to it.
+            // Whatever the hand goes on to do with the same object belongs to it, until all has come that the job requires.
             progress.set_waiting(self.side, Some(nominal).filter(|_| !activity.is_concluded));
+            if self.iu.is_none() && progress.may_be_matched() {
+                segmenter.activity_matched(&[]);
+            }
             return;
         }
         let continuations = activity.continuations(job);

@@ -51,6 +51,8 @@ struct JobState {
     instead: ActivitySet,
     /// For each hand, the activity that it has matched to its last IU while a longer candidate may still go on.
     waiting: [ActivitySet; HANDS],
+    /// For each hand, what its open activity may be if that has come to its end, though nothing says so.
+    may_have_ended: [ActivitySet; HANDS],
     /// For each hand, the candidates of its open activity.
     underway: [ActivitySet; HANDS],
     /// For each hand, what its open activity may be, with what was not seen of it: no less than as it was seen.
@@ -59,8 +61,14 @@ struct JobState {
     newest_ns: [u64; HANDS],
     /// For each hand, the same if that was seen, and 0 if it may have begun earlier.
     seen_to_begin_ns: [u64; HANDS],
-    /// For each hand, the activities that had begun before that.
+    /// For each hand, the activities that had begun before that, or may have.
     begun_before: [ActivitySet; HANDS],
+    /// For each hand, what had come for certain before that.
+    came_before: [ActivitySet; HANDS],
+    /// For each hand, that and what had begun for certain before that.
+    certainly_begun_before: [ActivitySet; HANDS],
+    /// For each hand, what the other one had come to the end of before that, or may have.
+    may_have_ended_before: [ActivitySet; HANDS],
     /// For each hand, whether what it does now is not seen.
     is_hidden: [bool; HANDS],
     /// Nothing of the job can have happened before what was seen of it, or its first activity was one with which a job begins.
@@ -71,6 +79,8 @@ struct JobState {
     left: ActivitySet,
     /// What came, or may have, and may belong to the next job: nothing after a job that was right.
     carried_over: ActivitySet,
+    /// What came again, or may have come unseen since all came that the open job requires: it may be of the next job.
+    may_be_of_next: ActivitySet,
     /// Why what a hand goes on with from the job before was not judged.
     carried_on_cause: Option<Cause>,
     fault: Option<Fault>,
@@ -221,7 +231,11 @@ impl<'a> Progress<'a> {
     pub(super) fn set_hidden(&mut self, side: Side, frames: u32, is_hidden: bool) {
         if frames > 0 {
             // What shows less than half of itself may have been taken for another one.
-            self.unseen |= self.activities_with(|ius| frames >= quickest(ius) / 2);
+            let may_have_come = self.activities_with(|ius| frames >= quickest(ius) / 2);
+            self.unseen |= may_have_come;
+            if self.is_matched() {
+                self.state.may_be_of_next |= may_have_come;
+            }
         }
         self.state.is_hidden[side.index()] = is_hidden;
     }
@@ -369,6 +383,11 @@ impl<'a> Progress<'a> {
         self.state.newest_ns[side.index()] = began_ns;
         self.state.seen_to_begin_ns[side.index()] = if is_begin_seen { began_ns } else { 0 };
         self.state.begun_before[side.index()] = self.begun(side.other());
+        let of_other = self.state.may_be_underway[side.other().index()];
+        let certainly = if of_other.iter().count() == 1 { of_other } else { ActivitySet::EMPTY };
+        self.state.came_before[side.index()] = self.state.done | self.state.wrong;
+        self.state.certainly_begun_before[side.index()] = self.state.came_before[side.index()] | certainly;
+        self.state.may_have_ended_before[side.index()] = self.state.may_have_ended[side.other().index()];
         let number = self.state.activities;
         self.state.activities = number.saturating_add(1);
         self.state.first_step = self.state.first_step.or(is_step.then_some(number));
@@ -405,6 +424,11 @@ impl<'a> Progress<'a> {
         self.state.waiting[side.index()] = self.activities_of(nominal);
     }
 
+    /// Sets the nominal activities of which the open activity of a hand may be all.
+    pub(super) fn set_may_have_ended(&mut self, side: Side, nominal: impl Iterator<Item = usize>) {
+        self.state.may_have_ended[side.index()] = self.activities_of(nominal);
+    }
+
     /// What was tried, and what this hand has begun or may have begun.
     fn begun(&self, side: Side) -> ActivitySet {
         self.tried() | self.state.may_be_underway[side.index()]
@@ -419,6 +443,7 @@ impl<'a> Progress<'a> {
     /// A hand has done a nominal activity.
     pub(super) fn set_done(&mut self, number: u16, nominal: usize) {
         let activity = self.activities_of([nominal]);
+        self.state.may_be_of_next |= self.state.done & activity;
         self.state.done |= activity;
         if activity.intersects(self.once()) {
             // What must come behind it has not come before what was seen.
@@ -468,6 +493,12 @@ impl<'a> Progress<'a> {
     /// Whether all that the job requires has come, what waits because a longer candidate may go on included.
     pub(super) fn is_matched(&self) -> bool {
         self.is_matched_with(self.state.wrong)
+    }
+
+    /// Whether all that the job requires may have come.
+    pub(super) fn may_be_matched(&self) -> bool {
+        let ended = self.state.may_have_ended.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
+        self.state.required.without(self.tried() | ended).is_empty()
     }
 
     /// The same, but of the activities that were done wrong only these count.

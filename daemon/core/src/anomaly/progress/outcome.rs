@@ -17,7 +17,9 @@ impl Progress<'_> {
         let (outcome, fault) = self.outcome();
         self.undone_first = ActivitySet::EMPTY;
         let may_go_on = self.tried() | self.possibly();
-        self.state.carried_over = if outcome == Outcome::Ok { ActivitySet::EMPTY } else { may_go_on };
+        // What may have come unseen before it was seen to come may then have been that of the next piece.
+        let may_be_next = self.state.may_be_of_next | self.state.done & self.possibly();
+        self.state.carried_over = if outcome == Outcome::Ok { may_be_next } else { may_go_on };
         self.forget_hidden();
         self.never_seen = Some(self.out_of_sight);
         let verdict = Verdict {
