@@ -6,7 +6,7 @@ DEBIAN_TEST := ffmpeg mbpoll poppler-utils python3-venv systemd
 # From OpenCV 4.7 on the marker detector is in another of its modules.
 OBJDETECT = $(shell pkg-config --atleast-version=4.7 opencv4 && echo --features andond/objdetect)
 
-.PHONY: setup packages test-packages build demo test lint deny bench line chaos power-loss deaf soak modbus-fuzz plc-latency degraded-clips sight deletions deb nspawn debian-13
+.PHONY: setup packages test-packages build demo test test-times lint deny bench line chaos power-loss deaf soak modbus-fuzz plc-latency degraded-clips sight deletions deb nspawn debian-13
 
 setup: packages
 	python3 daemon/perception/models/provision.py $(RUNTIME)
@@ -39,13 +39,18 @@ deny:
 	cargo deny --offline --locked check bans licenses sources
 
 # Everything is built and run once, with RealSense; then the one test that needs a build without it. Tests of the line start the
-# programs in the target folder, so these are built first. `cargo test` does the same, one program after the other.
+# programs in the target folder, so these are built first. `cargo test` does the same, one program after the other. Tests that work
+# by chance draw a seed, which is printed; `ANDON_SEED=n PROPTEST_RNG_SEED=n make test` repeats a draw.
 test: setup test-packages lint
 	python3 daemon/realsense/provision.py $(RUNTIME) --recorder
 	cargo build $(REALSENSE) --all-targets
-	tests/setup/side_by_side.py $(REALSENSE)
+	tests/setup/side_by_side.py $(TIMES) $(REALSENSE)
 	cargo test $(REALSENSE) --doc
 	cargo test --locked --workspace $(OBJDETECT) --test camera a_camera_that_this_build_does_not_support
+
+# `make test`, and writes what each of its programs took to tests/TIMES.md.
+test-times: TIMES := --times tests/TIMES.md
+test-times: test
 
 # Prints one table and writes target/bench/report.json. The Python peers are fetched once, into target/bench/venv.
 bench: setup test-packages line

@@ -89,7 +89,7 @@ mod tests {
 
     #[test]
     fn the_meaning_of_a_word_is_its_documentation() {
-        assert_eq!(VerdictOutcome::Ok.meaning(), "It is right.");
+        assert_eq!(VerdictOutcome::Ok.meaning(), "It was done right.");
     }
 
     #[test]

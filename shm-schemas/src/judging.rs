@@ -34,7 +34,7 @@ codes! {
         NoJob = 5 as "no job",
         /// `enable` is not set.
         NotEnabled = 6 as "not enabled",
-        /// The line is not ready.
+        /// The station is not ready.
         NotReady = 7 as "not ready",
         /// A job is running.
         Busy = 8 as "busy",

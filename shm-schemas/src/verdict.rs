@@ -17,9 +17,9 @@ pub const NO_PERCENT: u8 = 0xFF;
 codes! {
     /// What is judged.
     enum VerdictLevel: u8 {
-        /// One IU.
+        /// One IU (interaction unit): one contact within a step.
         Iu = 1 as "iu",
-        /// One activity.
+        /// One activity: a step of the job.
         Activity = 2 as "activity",
         /// The whole job.
         Job = 3 as "job",
@@ -29,11 +29,11 @@ codes! {
 codes! {
     /// How it came out.
     enum VerdictOutcome: u8 {
-        /// It is right.
+        /// It was done right.
         Ok = 1 as "ok",
         /// It cannot be right any more.
         Anomaly = 2 as "anomaly",
-        /// There was too little to decide by.
+        /// Too little was seen to decide.
         NotJudged = 3 as "not_judged",
     }
 }
@@ -57,11 +57,11 @@ codes! {
     enum VerdictReason: u8 {
         /// Nothing is wrong.
         None = 0,
-        /// The context is in no nominal activity that can still be meant: a wrong object, or the wrong hand.
+        /// A wrong object, or the wrong hand: no taught activity that is still possible has this contact.
         WrongObject = 1,
-        /// The IU belongs to the activity, or the activity to the job, but not at this point.
+        /// Wrong order: the IU belongs to the activity, or the activity to the job, but not at this point.
         WrongOrder = 2,
-        /// The movement differs: the DTW distance is over the threshold of every candidate.
+        /// Wrong motion: the DTW distance exceeds the threshold of every candidate.
         Motion = 3,
         /// Fewer frames, or fewer reversals of the movement, than the demonstrations allow.
         TooShort = 4,
@@ -75,13 +75,13 @@ codes! {
         Blind = 8,
         /// It lasted longer than can be compared.
         Overload = 9,
-        /// The hand was not seen for too long.
+        /// The hand was out of view for too long.
         HandNotSeen = 10,
-        /// An object was not seen for too long.
+        /// An object was out of view for too long.
         ObjectNotSeen = 11,
-        /// Its beginning was not seen: it came before the line began to watch, or was hidden.
+        /// Its beginning was not seen: it came before the station was enabled, or was hidden.
         BeginningNotSeen = 12,
-        /// It was not watched to its end: the line was disabled, got another job, or its source began again.
+        /// Aborted before its end: the station was disabled, got another job, or its source began again.
         BrokenOff = 13,
         /// No frame came for too long.
         FramesMissing = 14,
@@ -105,7 +105,7 @@ codes! {
         Again = 2,
         /// The other hand did it.
         OtherHand = 3,
-        /// It is no activity of the job, but all its parts belong to the job.
+        /// An unknown step, with parts of the job alone.
         Step = 4,
     }
 }
@@ -113,7 +113,7 @@ codes! {
 codes! {
     /// How an activity breaks the order of its job.
     enum OrderFault: u8 {
-        /// It does not.
+        /// The order was kept.
         None = 0,
         /// It began before another one had begun.
         NotBegun = 1,

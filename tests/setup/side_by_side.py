@@ -2,14 +2,20 @@
 """Runs the test programs of `cargo test`, several side by side: most of them wait for longer than they compute, and Cargo
 itself runs one after the other.
 
-    side_by_side.py [ARGUMENT OF CARGO TEST...]
+    side_by_side.py [--times PAGE] [ARGUMENT OF CARGO TEST...]
 
-Prints what a program that has failed said, and at the end which ones took longest. Exit codes: 0 all well, 1 a test has
-failed or does not compile.
+Tests that work by chance take their draw from ANDON_SEED and PROPTEST_RNG_SEED. Where these are not set, one number is drawn
+for both, so that each run tries something new, and is printed, so that a run can be repeated.
+
+Prints what a program that has failed said, and at the end which ones took longest; with --times it writes that to a page as
+well. Exit codes: 0 all well, 1 a test has failed or does not compile.
 """
 
 import json
 import os
+import platform
+import random
+import shlex
 import subprocess
 import sys
 import time
@@ -22,6 +28,19 @@ PROGRAMS = 1 + (os.cpu_count() or 1)
 FIRST = ["perception_accuracy", "line_sight", "line_restart", "line_realsense", "line_shift"]
 # The camera's library plays a recording by the clock and pairs pictures by when they come: beside others it loses some.
 ALONE = ["recording"]
+# What tests that work by chance take their draw from, and the first number that is not drawn: people can type those below it.
+SEEDS = ["ANDON_SEED", "PROPTEST_RNG_SEED"]
+MAX_SEED = 100_000
+# Programs that take less than this, in seconds, share one row of the page.
+SHORT_S = 2.0
+
+
+def draw_seed():
+    """Draws a seed for all programs unless there is one. The words that repeat the run."""
+    drawn = str(random.randrange(MAX_SEED))
+    for name in SEEDS:
+        os.environ.setdefault(name, drawn)
+    return " ".join(f"{name}={os.environ[name]}" for name in SEEDS)
 
 
 def programs(arguments):
@@ -37,27 +56,62 @@ def programs(arguments):
 
 
 def run(program):
-    """What a program took, in seconds, and whether all is well."""
+    """What a program took, in seconds by the clock and of a processor; its name; and whether all is well."""
     name, folder, path = program
     began = time.monotonic()
-    ended = subprocess.run([path], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    took = time.monotonic() - began
-    print(f"{'ok    ' if ended.returncode == 0 else 'FAILED'} {took:6.1f} s  {name}", flush=True)
-    if ended.returncode:
-        print(ended.stdout, flush=True)
-    return took, name, ended.returncode == 0
+    started = subprocess.Popen([path], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    said = started.stdout.read()
+    # With what its own processes took, as those of a line, as far as it waited for them.
+    _, status, used = os.wait4(started.pid, 0)
+    started.returncode = os.waitstatus_to_exitcode(status)
+    took, computed = time.monotonic() - began, used.ru_utime + used.ru_stime
+    is_well = started.returncode == 0
+    print(f"{'ok    ' if is_well else 'FAILED'} {took:6.1f} s  {name}", flush=True)
+    if not is_well:
+        print(said, flush=True)
+    return took, computed, name, is_well
+
+
+def times(ran, total_s):
+    """The page of what each program took: no promise, but a place to look for what has become slow."""
+    longest = sorted(ran, reverse=True)
+    rows = [(name, took, computed) for took, computed, name, _ in longest if took >= SHORT_S]
+    others = [(took, computed) for took, computed, _, _ in longest if took < SHORT_S]
+    if others:
+        rows.append((f"{len(others)} others", sum(took for took, _ in others), sum(computed for _, computed in others)))
+    lines = [f"| {name} | {took:.0f} | {computed:.0f} |" for name, took, computed in rows]
+    head = f"""# What each test program takes
+
+`make test-times` writes this page. It is from one run on one machine ({os.cpu_count()} processors, {platform.machine()}), with up to
+{PROGRAMS} programs side by side, and no promise: compare rows of one page with each other, or two pages of one machine. *Seconds* are
+by the clock, beside the others; *processor* is what the program and the processes that it waited for computed. All together: {total_s:.0f} s.
+
+| program | seconds | processor |
+|---|---|---|
+"""
+    return head + "\n".join(lines) + "\n"
 
 
 def main():
+    arguments, page = sys.argv[1:], None
+    if arguments[:1] == ["--times"]:
+        page, arguments = Path(arguments[1]), arguments[2:]
+    seeds = draw_seed()
+    repeat = f"{seeds} {shlex.join([sys.argv[0], *arguments])}"
+    print(f"the draw of this run: {seeds}", flush=True)
     began = time.monotonic()
-    found = programs(sys.argv[1:])
+    found = programs(arguments)
     ran = [run(program) for program in found if program[0] in ALONE]
     with ThreadPoolExecutor(PROGRAMS) as beside:
         ran += beside.map(run, [program for program in found if program[0] not in ALONE])
-    longest = ", ".join(f"{name} {took:.0f} s" for took, name, _ in sorted(ran, reverse=True)[:15])
-    failed = [name for _, name, is_well in ran if not is_well]
-    print(f"{len(ran)} programs in {time.monotonic() - began:.0f} s; longest: {longest}")
-    sys.exit(f"failed: {', '.join(failed)}" if failed else 0)
+    total_s = time.monotonic() - began
+    longest = ", ".join(f"{name} {took:.0f} s" for took, _, name, _ in sorted(ran, reverse=True)[:15])
+    failed = [name for _, _, name, is_well in ran if not is_well]
+    print(f"{len(ran)} programs in {total_s:.0f} s; longest: {longest}")
+    print(f"to repeat this draw: {repeat}")
+    if page:
+        page.write_text(times(ran, total_s))
+    sys.exit(f"failed: {', '.join(failed)}; the draw was {seeds}" if failed else 0)
 
 
 if __name__ == "__main__":

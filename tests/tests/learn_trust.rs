@@ -2,12 +2,13 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_core::config::Method;
-use andon_core::couple::Context;
 use andon_core::input::Frame;
+use andon_core::verdict::Measure;
 use andon_learn::recording::Recording;
 use andon_learn::run::Run;
-use andon_learn::teach::{Doubt, Measure, Statement, TeachError, TeachOptions, TeachReport, teach};
+use andon_learn::teach::{Doubt, Statement, TeachError, TeachOptions, TeachReport, teach};
 use andon_tests::environment;
+use andon_tests::rate::Rate;
 use andon_tests::simulator::{Flaw, Noise, Performance, perform};
 
 /// A seed that played no part in the choice of the rules.
@@ -73,9 +74,9 @@ fn correct_runs_are_usable_in_one_sentence_and_the_table_has_a_legend() {
 fn a_run_with_half_of_the_strokes_among_four_correct_ones_is_named_with_the_iu_and_the_figure() {
     let report = taught(&with(Flaw::J1));
     let first = refused(&report);
-    let [Doubt::Outlier(outlier)] = &report.doubts[..] else { panic!("{report}") };
+    let [Doubt { outlier: Some(outlier), .. }] = &report.doubts[..] else { panic!("{report}") };
     assert_eq!((outlier.run.as_str(), outlier.activity, outlier.iu), ("p5", 0, 1));
-    assert_eq!(outlier.measure, Measure::Reversals);
+    assert_eq!(outlier.measure, Some(Measure::Strokes));
     assert!(outlier.value < 0.8 * outlier.others[0], "{outlier:?}");
     for part in ["p5 is not like the others", "step 1, IU 2", "reverses its motion", "the others"] {
         assert!(first.contains(part), "{first}");
@@ -109,14 +110,8 @@ fn two_runs_with_half_of_the_strokes_do_not_hide_each_other() {
     let mut runs = with(Flaw::J1);
     runs.push(run(6, Flaw::J1));
     let report = taught(&runs);
-    let names: Vec<&str> = report
-        .doubts
-        .iter()
-        .filter_map(|doubt| match doubt {
-            Doubt::Outlier(outlier) => Some(outlier.run.as_str()),
-            _ => None,
-        })
-        .collect();
+    let outliers = report.doubts.iter().filter_map(|doubt| doubt.outlier.as_ref());
+    let names: Vec<&str> = outliers.map(|outlier| outlier.run.as_str()).collect();
     assert_eq!(names, ["p5", "p6"], "{report}");
 }
 
@@ -171,7 +166,7 @@ fn one_run_in_another_order_is_named_with_what_is_different_unless_the_order_is_
     assert!(report.to_string().contains("--order false"), "{report}");
     let free = TeachOptions { order_matters: Some(false), ..options() };
     let (_, report) = teach(&runs, &free).unwrap();
-    assert!(!report.doubts.iter().any(|doubt| matches!(doubt, Doubt::OtherOrder { .. })), "{report}");
+    assert!(!report.doubts.iter().any(|doubt| doubt.sentence.contains("has another order")), "{report}");
 }
 
 #[test]
@@ -223,11 +218,11 @@ fn an_iu_of_which_too_little_was_seen_is_not_learnt_and_named_with_its_run() {
     }
     let mut runs = correct(4);
     runs.push(named("p5", &half_seen));
-    let report = taught(&runs);
+    let (job, report) = teach(&runs, &options()).unwrap();
     let places: Vec<(&str, u16, usize)> =
         report.blind.iter().map(|blind| (blind.run.as_str(), blind.activity, blind.iu)).collect();
     assert_eq!(places, [("p5", 0, 1)], "{report}");
-    assert_eq!(report.ius[1].demonstrations, 4);
+    assert_eq!(job.activities[0].ius[1].demonstrations, 4);
     assert!(report.to_string().contains("too little was seen of p5 in step 1, IU 2"), "{report}");
     assert!(report.is_trusted(), "the other IUs of the run are well seen: {report}");
 }
@@ -281,11 +276,11 @@ fn that_the_ius_rest_on_few_demonstrations_is_said_once() {
     assert!(text.contains("show 2 more"), "{text}");
 }
 
-/// `ANDON_SETS` asks for more sets, `ANDON_SEED` for others.
+/// `ANDON_SETS` asks for more sets.
 #[test]
 fn correct_runs_are_seldom_doubted_and_half_of_the_strokes_seldom_pass() {
-    let (sets, seed) = (environment::number("ANDON_SETS", 100), environment::number("ANDON_SEED", SEED));
-    let (mut doubted, mut missed) = (0, 0);
+    let (sets, seed) = (environment::number("ANDON_SETS", 100), environment::seed());
+    let (mut doubted, mut missed) = (Vec::new(), Vec::new());
     for set in 0..sets {
         let of_set = |index: u64, flaw| {
             let recording = perform_with(seed, 100 * (set + 1) + index, flaw);
@@ -293,36 +288,18 @@ fn correct_runs_are_seldom_doubted_and_half_of_the_strokes_seldom_pass() {
         };
         let mut runs: Vec<Run> = (1..=5).map(|index| of_set(index, Flaw::None)).collect();
         let report = taught(&runs);
+        doubted.push(!report.is_trusted());
         if !report.is_trusted() {
-            doubted += 1;
             println!("{report}");
         }
         runs[4] = of_set(5, Flaw::J1);
         let report = taught(&runs);
         // What is left out or was not seen does no harm.
         let is_learnt = report.disagreements.is_empty() && report.blind.iter().all(|blind| blind.run != "p5");
-        missed += u64::from(report.is_trusted() && is_learnt);
+        missed.push(report.is_trusted() && is_learnt);
     }
-    println!("{doubted} of {sets} correct sets doubted, {missed} of {sets} J1 passed");
-    assert!(50 * doubted <= sets, "{doubted} of {sets} correct sets doubted");
-    assert!(20 * missed <= sets, "{missed} of {sets} J1 passed");
-}
-
-/// What a context looks like in a sentence is the same everywhere.
-#[test]
-fn a_doubt_uses_the_words_that_it_is_given() {
-    let doubt = Doubt::OtherOrder {
-        run: "p1".to_owned(),
-        others: 4,
-        place: 1,
-        had: Context([1, 5, 0, 0]),
-        usual: Context([1, 6, 0, 0]),
-    };
-    let sentence = doubt.sentence(&|context| format!("<{}>", context.0[1]));
-    assert_eq!(
-        sentence,
-        "p1 has another order than the 4 others: its step 2 begins with <5>, theirs with <6>"
-    );
+    Rate::of(doubted).expect_at_most(0.01, "correct sets doubted");
+    Rate::of(missed).expect_at_most(0.05, "J1 passed");
 }
 
 /// The recording as another program has saved it: turned, later by half a second, at 25 Hz, with half a millimetre of noise.

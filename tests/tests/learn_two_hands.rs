@@ -1,6 +1,6 @@
 //! Jobs of two hands: five people show each, and others do it right, do it wrong, or are not seen.
 //!
-//! The people follow from a seed. `ANDON_SEED` chooses another.
+//! The people are drawn: `ANDON_SEED` repeats a draw. A bar is a rate, see [`Rate`].
 #![allow(clippy::unwrap_used)]
 
 use andon_core::config::Method;
@@ -12,36 +12,56 @@ use andon_learn::run::Run;
 use andon_learn::teach::{TeachOptions, teach};
 use andon_tests::deletion::{self, Deletion, Hidden, is_accused, length_s, try_deletions, try_two_pieces};
 use andon_tests::environment;
+use andon_tests::rate::Rate;
 use andon_tests::simulator::{Noise, Performance, Random, TwoHanded, perform_with_two_hands};
 use andon_tests::station::without_points;
 
-/// The percentage of the right jobs of others that must be accepted: five people do not show how all others move.
-const MIN_ACCEPTED: usize = 90;
+/// The share of the right jobs of others that must be accepted: five people do not show how all others move.
+const MIN_ACCEPTED: f64 = 0.9;
 
-/// The percentage of the faults of others that must be found where less is known: not every part lies where nothing else does, nor is held
-/// where others hold it.
-const MIN_FOUND: usize = 75;
+/// The share of the faults of others that must be found where less is known: not every part lies where nothing else does, nor is held where
+/// others hold it.
+const MIN_FOUND: f64 = 0.8;
 
-fn recording(work: TwoHanded, person: u64, is_faulty: bool) -> Recording {
-    recording_seen(Noise::default(), work, person, is_faulty)
+/// The same at the workshop's bench, where tools lie side by side. Each of a draw's three jobs finds nearly all faults or half of them.
+const MIN_FOUND_AT_WORKSHOP: f64 = 0.65;
+
+/// The share of the faults of others that may be called right.
+const MAX_CALLED_RIGHT: f64 = 0.02;
+
+/// The same where all is seen inexactly. The cases of one draw are not independent: a job that was taught too leniently calls all six of its faults
+/// right, so that these bars have room for one such job.
+const MIN_ACCEPTED_INEXACT: f64 = 0.85;
+const MAX_CALLED_RIGHT_INEXACT: f64 = 0.05;
+
+/// The seed that has always been tried.
+const KNOWN: u64 = 71;
+
+/// People, by their seed, and how exactly they are seen.
+#[derive(Clone, Copy)]
+struct People {
+    seed: u64,
+    noise: Noise,
 }
 
-fn recording_seen(noise: Noise, work: TwoHanded, person: u64, is_faulty: bool) -> Recording {
-    let seed = environment::number("ANDON_SEED", 71);
-    perform_with_two_hands(&Performance { seed, person, repetition: 1, noise }, work, is_faulty)
+impl People {
+    fn drawn() -> Self {
+        Self { seed: environment::seed(), noise: Noise::default() }
+    }
+
+    fn recording(self, work: TwoHanded, person: u64, is_faulty: bool) -> Recording {
+        let Self { seed, noise } = self;
+        perform_with_two_hands(&Performance { seed, person, repetition: 1, noise }, work, is_faulty)
+    }
+
+    /// Five of them show the work.
+    fn taught(self, work: TwoHanded) -> JobFile {
+        taught_by(&(1..=5).map(|person| run(&self.recording(work, person, false))).collect::<Vec<_>>())
+    }
 }
 
 fn run(recording: &Recording) -> Run {
     Run::new("run", "", recording, &Method::default()).unwrap()
-}
-
-/// Five people show the work.
-fn taught(work: TwoHanded) -> JobFile {
-    taught_seen(Noise::default(), work)
-}
-
-fn taught_seen(noise: Noise, work: TwoHanded) -> JobFile {
-    taught_by(&(1..=5).map(|person| run(&recording_seen(noise, work, person, false))).collect::<Vec<_>>())
 }
 
 fn taught_by(runs: &[Run]) -> JobFile {
@@ -59,56 +79,49 @@ fn is_right(verdicts: &[Verdict]) -> bool {
     jobs.all(|job| job.outcome == Outcome::Ok) && !is_accused(verdicts)
 }
 
+/// How often right jobs of others are accepted, and faulty ones called right.
+fn expect_right_and_found(people: People, min_accepted: f64, max_called_right: f64) {
+    let (mut accepted, mut called_right) = (Vec::new(), Vec::new());
+    for work in TwoHanded::ALL {
+        let job = people.taught(work);
+        for person in 6..18 {
+            let verdicts = judged(&job, &people.recording(work, person, false));
+            if !is_right(&verdicts) {
+                println!("{work:?} of person {person} is not right; accused: {}", is_accused(&verdicts));
+            }
+            accepted.push(is_right(&verdicts));
+        }
+        for person in 6..12 {
+            let is_right = is_right(&judged(&job, &people.recording(work, person, true)));
+            if is_right {
+                println!("the fault in {work:?} of person {person} is called right");
+            }
+            called_right.push(is_right);
+        }
+    }
+    Rate::of(accepted).expect_at_least(min_accepted, "accepted");
+    Rate::of(called_right).expect_at_most(max_called_right, "faults called right");
+}
+
 #[test]
 fn what_may_differ_between_hands_is_right_and_every_fault_is_found() {
-    let (mut right, mut of, mut missed) = (0, 0, Vec::new());
-    for work in TwoHanded::ALL {
-        let job = taught(work);
-        let accepted = (6..18).filter(|person| is_right(&judged(&job, &recording(work, *person, false))));
-        let count = accepted.count();
-        println!("{work:?}: {count} of 12 accepted");
-        (right, of) = (right + count, of + 12);
-        missed.extend(
-            (6..12)
-                .filter(|person| is_right(&judged(&job, &recording(work, *person, true))))
-                .map(|person| (work, person)),
-        );
-    }
-    assert!(100 * right >= MIN_ACCEPTED * of, "{right} of {of}");
-    assert!(missed.is_empty(), "{missed:?}");
+    expect_right_and_found(People::drawn(), MIN_ACCEPTED, MAX_CALLED_RIGHT);
 }
 
 #[test]
 fn runs_in_which_a_hand_waits_for_the_other_one_are_taught_like_those_in_which_it_does_not() {
-    let mut refused = Vec::new();
+    let (people, mut refused) = (People::drawn(), Vec::new());
     for first in (1..100).step_by(5) {
-        let runs: Vec<Run> =
-            (first..first + 5).map(|person| run(&recording(TwoHanded::WaitingHand, person, false))).collect();
+        let runs: Vec<Run> = (first..first + 5)
+            .map(|person| run(&people.recording(TwoHanded::WaitingHand, person, false)))
+            .collect();
         let (_, report) = teach(&runs, &TeachOptions::new("two hands", "", Method::default())).unwrap();
         let text = report.to_string();
-        let said = text.lines().next().unwrap_or_default().to_owned();
-        refused.extend(said.starts_with("not usable").then_some(said));
+        let said = text.lines().next().unwrap_or_default();
+        println!("{said}");
+        refused.push(said.starts_with("not usable"));
     }
-    println!("{} of 20 refused: {refused:#?}", refused.len());
-    assert!(refused.len() <= 4, "{refused:#?}");
-}
-
-/// Right jobs are accepted and faults found as elsewhere, with these errors of all that is seen.
-fn expect_no_more_doubt_with(noise: Noise) {
-    let (mut right, mut of, mut accused, mut missed) = (0, 0, Vec::new(), Vec::new());
-    for work in TwoHanded::ALL {
-        let job = taught_seen(noise, work);
-        for person in 6..18 {
-            let verdicts = judged(&job, &recording_seen(noise, work, person, false));
-            (right, of) = (right + usize::from(is_right(&verdicts)), of + 1);
-            accused.extend(is_accused(&verdicts).then_some((work, person)));
-        }
-        let is_missed = |person: &u64| is_right(&judged(&job, &recording_seen(noise, work, *person, true)));
-        missed.extend((6..12).filter(is_missed).map(|person| (work, person)));
-    }
-    println!("{right} of {of} accepted, {accused:?} accused, {missed:?} missed");
-    assert!(100 * right >= MIN_ACCEPTED * of, "{right} of {of}");
-    assert!(missed.is_empty(), "{missed:?}");
+    Rate::of(refused).expect_at_most(0.1, "sets refused");
 }
 
 /// 2.5 mm along each axis, as a depth camera sees parts without markers.
@@ -118,12 +131,14 @@ fn inexact(marker_memory: f64) -> Noise {
 
 #[test]
 fn parts_that_are_seen_inexactly_put_right_jobs_in_doubt_no_more_than_others() {
-    expect_no_more_doubt_with(inexact(0.0));
+    let people = People { noise: inexact(0.0), ..People::drawn() };
+    expect_right_and_found(people, MIN_ACCEPTED_INEXACT, MAX_CALLED_RIGHT_INEXACT);
 }
 
 #[test]
 fn parts_that_drift_put_right_jobs_in_doubt_no_more_than_others() {
-    expect_no_more_doubt_with(inexact(0.9));
+    let people = People { noise: inexact(0.9), ..People::drawn() };
+    expect_right_and_found(people, MIN_ACCEPTED_INEXACT, MAX_CALLED_RIGHT_INEXACT);
 }
 
 /// The recording as of a station that does not say where its parts are touched, with markers that say nothing of how they lie.
@@ -137,16 +152,17 @@ fn with_mere_positions(whole: Recording) -> Recording {
 
 #[test]
 fn where_two_hands_hold_a_part_is_learnt_of_both() {
+    let people = People::drawn();
     let shown = |person, is_faulty| {
-        run(&with_mere_positions(recording(TwoHanded::SymmetricalLift, person, is_faulty)))
+        run(&with_mere_positions(people.recording(TwoHanded::SymmetricalLift, person, is_faulty)))
     };
     let job = taught_by(&(1..=5).map(|person| shown(person, false)).collect::<Vec<_>>());
-    let accepted = (6..18).filter(|person| is_right(&shown(*person, false).judge(&job).unwrap())).count();
-    assert!(100 * accepted >= MIN_ACCEPTED * 12, "{accepted} of 12 accepted");
+    let accepted = (6..18).map(|person| is_right(&shown(person, false).judge(&job).unwrap()));
+    Rate::of(accepted).expect_at_least(MIN_ACCEPTED, "accepted");
     let alone: Vec<Vec<Verdict>> = (6..18).map(|person| shown(person, true).judge(&job).unwrap()).collect();
-    let found = alone.iter().filter(|verdicts| is_accused(verdicts)).count();
-    assert!(!alone.iter().any(|verdicts| is_right(verdicts)), "one hand alone is called right");
-    assert!(100 * found >= MIN_FOUND * 12, "{found} of 12 found");
+    let called_right = alone.iter().map(|verdicts| is_right(verdicts));
+    Rate::of(called_right).expect_at_most(MAX_CALLED_RIGHT, "one hand alone called right");
+    Rate::of(alone.iter().map(|verdicts| is_accused(verdicts))).expect_at_least(MIN_FOUND, "found");
 }
 
 /// The recording with one hand unseen in a stretch of time; its last second stays.
@@ -154,89 +170,99 @@ fn without(whole: &Recording, side: Side, from_s: f64, seconds: f64) -> Recordin
     Deletion::Stretch(Hidden::Hand(side), from_s, seconds).of(whole, &mut Random::new(0, &[]))
 }
 
-/// Of jobs at the workshop's bench, how many right ones are accepted, and how many faulty ones are found and taken for right, of 36 each.
-fn workshop_judged(seen: impl Fn(Recording) -> Recording) -> [usize; 3] {
-    let shown = |person, is_faulty| run(&seen(recording(TwoHanded::Workshop, person, is_faulty)));
-    let [mut right, mut found, mut missed] = [0; 3];
+/// Of 36 jobs at the workshop's bench each, how many right ones are accepted, and how many faulty ones are found and called right.
+fn workshop_judged(seen: impl Fn(Recording) -> Recording) -> [Rate; 3] {
+    let people = People::drawn();
+    let shown = |person, is_faulty| run(&seen(people.recording(TwoHanded::Workshop, person, is_faulty)));
+    let [mut right, mut found, mut called_right] = [const { Vec::new() }; 3];
     for first in [1, 101, 201] {
         let job = taught_by(&(first..first + 5).map(|person| shown(person, false)).collect::<Vec<_>>());
         for person in first + 5..first + 17 {
             let [right_job, faulty_job] =
                 [false, true].map(|is_faulty| shown(person, is_faulty).judge(&job).unwrap());
-            right += usize::from(is_right(&right_job));
-            found += usize::from(is_accused(&faulty_job));
-            missed += usize::from(is_right(&faulty_job));
+            right.push(is_right(&right_job));
+            found.push(is_accused(&faulty_job));
+            called_right.push(is_right(&faulty_job));
         }
     }
-    [right, found, missed]
+    [right, found, called_right].map(Rate::of)
 }
 
 #[test]
-fn tools_that_lie_side_by_side_and_a_hand_that_goes_on_early_accuse_nobody() {
-    for (points, [right, found, missed]) in
+fn tools_that_lie_side_by_side_and_a_hand_that_goes_on_early_seldom_accuse_anybody() {
+    for (points, [right, found, called_right]) in
         [("no", workshop_judged(with_mere_positions)), ("given", workshop_judged(|whole| whole))]
     {
-        println!("{points} points: {right} of 36 accepted, {found} found, {missed} missed");
-        assert!(100 * right >= MIN_ACCEPTED * 36, "{right} of 36 accepted");
-        assert!(100 * found >= MIN_FOUND * 36 && missed == 0, "{found} of 36 found, {missed} missed");
+        right.expect_at_least(MIN_ACCEPTED, &format!("{points} points, accepted"));
+        found.expect_at_least(MIN_FOUND_AT_WORKSHOP, &format!("{points} points, found"));
+        called_right.expect_at_most(MAX_CALLED_RIGHT, &format!("{points} points, called right"));
     }
 }
 
-#[test]
-fn a_hand_that_is_not_seen_for_a_while_accuses_nobody() {
-    let (mut accused, mut of) = (Vec::new(), 0);
-    for work in TwoHanded::ALL {
-        let job = taught(work);
-        for person in 6..9 {
-            let whole = recording(work, person, false);
-            if !is_right(&judged(&job, &whole)) {
-                continue;
-            }
-            for side in Side::ALL {
-                for tenth in 1..10 {
-                    for seconds in [0.2, 0.5, 1.2, 3.0] {
-                        let from_s = length_s(&whole) * f64::from(tenth) / 10.0;
-                        of += 1;
-                        if is_accused(&judged(&job, &without(&whole, side, from_s, seconds))) {
-                            accused.push((work, person, side, tenth, seconds));
-                        }
+/// Hides each hand at any time for a while. What was accused, of how many.
+fn accused_without_a_hand(people: People, work: TwoHanded) -> (Vec<(u64, Side, u32, f64)>, u32) {
+    let (job, mut accused, mut of) = (people.taught(work), Vec::new(), 0);
+    for person in 6..9 {
+        let whole = people.recording(work, person, false);
+        if !is_right(&judged(&job, &whole)) {
+            continue;
+        }
+        for side in Side::ALL {
+            for tenth in 1..10 {
+                for seconds in [0.2, 0.5, 1.2, 3.0] {
+                    let from_s = length_s(&whole) * f64::from(tenth) / 10.0;
+                    of += 1;
+                    if is_accused(&judged(&job, &without(&whole, side, from_s, seconds))) {
+                        accused.push((person, side, tenth, seconds));
                     }
                 }
             }
         }
     }
-    assert!(accused.is_empty(), "{} of {of}: {accused:?}", accused.len());
+    (accused, of)
+}
+
+#[test]
+fn a_hand_that_is_not_seen_for_a_while_accuses_nobody() {
+    for seed in environment::known_and_drawn(KNOWN) {
+        for work in TwoHanded::ALL {
+            let (accused, of) = accused_without_a_hand(People { seed, ..People::drawn() }, work);
+            assert!(accused.is_empty(), "seed {seed}, {work:?}: {} of {of}: {accused:?}", accused.len());
+        }
+    }
 }
 
 #[test]
 fn a_judge_that_did_not_see_the_start_finds_faults_by_the_parts_that_lie_where_they_lay() {
-    let (mut found, mut right) = (0, Vec::new());
+    let (people, mut found, mut called_right) = (People::drawn(), Vec::new(), Vec::new());
     for work in TwoHanded::ALL {
-        let job = taught(work);
+        let job = people.taught(work);
         for person in 6..12 {
-            let verdicts = deletion::judged(&job, &recording(work, person, true));
-            found += usize::from(is_accused(&verdicts));
-            right.extend(is_right(&verdicts).then_some((work, person)));
+            let verdicts = deletion::judged(&job, &people.recording(work, person, true));
+            found.push(is_accused(&verdicts));
+            called_right.push(is_right(&verdicts));
         }
     }
-    println!("{found} of {} found", 6 * TwoHanded::ALL.len());
-    assert!(right.is_empty(), "{right:?}");
-    assert!(100 * found >= MIN_FOUND * 6 * TwoHanded::ALL.len(), "{found}");
+    Rate::of(called_right).expect_at_most(MAX_CALLED_RIGHT, "called right");
+    Rate::of(found).expect_at_least(MIN_FOUND, "found");
 }
 
-/// `ANDON_SEED` and `ANDON_CASES` choose other deletions.
+/// `ANDON_CASES` chooses how many deletions.
 #[test]
 fn nothing_is_accused_for_what_was_not_seen_where_parts_have_their_places() {
-    let (seed, cases) = (environment::number("ANDON_SEED", 71), environment::number("ANDON_CASES", 30));
-    for work in TwoHanded::ALL {
-        let job = taught(work);
-        let all: Vec<Recording> = (6..14).map(|person| recording(work, person, false)).collect();
-        let right: Vec<&Recording> =
-            all.iter().filter(|whole| is_right(&deletion::judged(&job, whole))).collect();
-        assert!(!right.is_empty(), "{work:?}: no correct job is right as a whole");
-        let tried = try_deletions(&job, &right, seed, cases);
-        assert!(tried.accused.is_empty(), "{work:?}: {:?}", tried.accused);
-        let tried = try_two_pieces(&job, &right, seed, cases);
-        assert!(tried.accused.is_empty(), "{work:?}, two pieces: {:?}", tried.accused);
+    let cases = environment::number("ANDON_CASES", 30) / 2;
+    for seed in environment::known_and_drawn(KNOWN) {
+        let people = People { seed, ..People::drawn() };
+        for work in TwoHanded::ALL {
+            let job = people.taught(work);
+            let all: Vec<Recording> = (6..14).map(|person| people.recording(work, person, false)).collect();
+            let right: Vec<&Recording> =
+                all.iter().filter(|whole| is_right(&deletion::judged(&job, whole))).collect();
+            assert!(!right.is_empty(), "seed {seed}, {work:?}: no correct job is right as a whole");
+            let tried = try_deletions(&job, &right, seed, cases);
+            assert!(tried.accused.is_empty(), "seed {seed}, {work:?}: {:?}", tried.accused);
+            let tried = try_two_pieces(&job, &right, seed, cases);
+            assert!(tried.accused.is_empty(), "seed {seed}, {work:?}, two pieces: {:?}", tried.accused);
+        }
     }
 }

@@ -22,7 +22,6 @@ type Counts = [[u32; VALUES]; 7];
 /// Frame indices of the barycentre, from the last to the first, with the motions aligned with them.
 type Alignment = Vec<(usize, Motion)>;
 
-/// One [`Counts`] per frame of the barycentre.
 fn count(alignments: &[Alignment], frames: usize) -> Vec<Counts> {
     let mut counts = vec![[[0; VALUES]; 7]; frames];
     for (index, motion) in alignments.iter().flatten() {
@@ -135,7 +134,6 @@ impl Barycentres {
         best
     }
 
-    /// The motion with the smallest sum of local costs.
     fn best(&self, counts: &Counts) -> Motion {
         let mut motion = Motion::default();
         for (index, (best, counts)) in motion.0.iter_mut().zip(counts).enumerate() {

@@ -73,29 +73,23 @@ impl Distribution {
             (None, Reason::Motion) => (None, verdict.distance?, None),
             _ => return None,
         };
-        let Some(iu) = iu_of(job, verdict, measure.zip(range)) else {
-            let shown = Vec::new();
-            return Some(Self {
-                measure,
-                runs: 0,
-                shown,
-                range: range?,
-                right: None,
-                max_detour: None,
-                value,
-            });
-        };
-        let shown = iu.shown.as_ref().map(|shown| values_of(measure, shown, rate_hz)).unwrap_or_default();
-        let right = Right::of(iu, rate_hz);
-        let bounds = measure.map_or([None, verdict.threshold], |measure| right.of_measure(measure));
+        let iu = iu_of(job, verdict, measure.zip(range));
+        let shown = iu.and_then(|iu| iu.shown.as_ref());
+        let shown = shown.map(|shown| values_of(measure, shown, rate_hz)).unwrap_or_default();
+        let right = iu.map(|iu| Right::of(iu, rate_hz));
+        let bounds =
+            right.map(|right| measure.map_or([None, verdict.threshold], |measure| right.of_measure(measure)));
         Some(Self {
             measure,
-            runs: iu.demonstrations as usize,
+            runs: iu.map_or(0, |iu| iu.demonstrations as usize),
             range: shown.first().zip(shown.last()).map(|(min, max)| [*min, *max]).or(range)?,
             shown,
-            right: Some(bounds),
-            max_detour: right.max_detour(measure),
-            value: if measure == Some(Measure::Strokes) { with_half(value, bounds) } else { value },
+            right: bounds,
+            max_detour: right.and_then(|right| right.max_detour(measure)),
+            value: match bounds.filter(|_| measure == Some(Measure::Strokes)) {
+                Some(bounds) => with_half(value, bounds),
+                None => value,
+            },
         })
     }
 
@@ -119,7 +113,6 @@ impl Distribution {
         }
     }
 
-    /// Its name.
     pub(crate) const fn name(measure: Option<Measure>) -> &'static str {
         match measure {
             None => "motion",
@@ -181,7 +174,6 @@ impl Distribution {
         })
     }
 
-    /// Where it lies, and what is right.
     fn words(&self) -> String {
         [self.place()].into_iter().chain(self.right_words()).collect::<Vec<_>>().join("; ")
     }
@@ -211,7 +203,6 @@ impl Distribution {
         format!("{:.decimals$}", factor * value)
     }
 
-    /// The bounds that there are.
     fn bounds(&self) -> [Option<f32>; 2] {
         self.right.unwrap_or_default()
     }
@@ -234,7 +225,6 @@ impl Distribution {
         (0.0..=1.0).contains(&share).then_some(share)
     }
 
-    /// The column of a value in a row.
     fn column(&self, value: f32) -> Option<usize> {
         let last = (COLUMNS - 1 - 2 * MARGIN) as f32;
         self.share(value).map(|share| MARGIN + (share * last).round() as usize)
@@ -330,11 +320,10 @@ impl fmt::Display for Distribution {
 }
 
 impl<'a> Right<'a> {
-    fn of(iu: &'a TaughtIu, rate_hz: f32) -> Self {
+    pub(crate) fn of(iu: &'a TaughtIu, rate_hz: f32) -> Self {
         Self { frames: iu.frames, reversals: iu.reversals, measures: &iu.measures, rate_hz }
     }
 
-    /// The bounds of a measure; `None` where there is none.
     pub(crate) fn of_measure(&self, measure: Measure) -> [Option<f32>; 2] {
         let counts = |Bounds { min, max }: Bounds, per: f32| {
             [(min > 0).then_some(min), (max < u32::MAX).then_some(max)]

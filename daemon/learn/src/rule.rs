@@ -44,7 +44,8 @@ impl Default for ThresholdRule {
 }
 
 /// How the bounds of duration and of the other measures are derived from the demonstrations of an IU.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(from = "BoundsRuleText")]
 pub struct BoundsRule {
     /// Maximum duration where the time does not show what is done, as a multiple of the longest demonstration; `pause_s` is added to it.
     pub max_duration: f64,
@@ -68,5 +69,25 @@ impl Default for BoundsRule {
             pause_s: 3.0,
             false_alarms: 0.03,
         }
+    }
+}
+
+/// The same as a job file has it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BoundsRuleText {
+    /// A file with this key was taught when an IU at no other part had a minimum duration, which accused the quick and found nothing. It is
+    /// not used any more.
+    #[serde(rename = "min_duration")]
+    _min_duration: Option<f64>,
+    max_duration: f64,
+    pause_s: f64,
+    false_alarms: f64,
+}
+
+impl From<BoundsRuleText> for BoundsRule {
+    fn from(text: BoundsRuleText) -> Self {
+        let BoundsRuleText { _min_duration, max_duration, pause_s, false_alarms } = text;
+        Self { max_duration, pause_s, false_alarms }
     }
 }

@@ -126,14 +126,9 @@ pub enum RunError {
     /// It was not recorded to its end.
     #[error("{0}")]
     CutShort(Truncation),
-    /// The encoder refuses the method or the objects.
-    #[error("{name}: the recording cannot be encoded: {unusable:?}")]
-    Unusable {
-        /// The run's name.
-        name: String,
-        /// Why they are refused.
-        unusable: couple::Unusable,
-    },
+    /// The encoder refuses the method or the objects of the run with this name.
+    #[error("{0}: the recording cannot be encoded: {1:?}")]
+    Unusable(String, couple::Unusable),
     /// The job cannot be judged.
     #[error("the job cannot be judged: {0}")]
     Job(anomaly::Unusable),
@@ -158,7 +153,7 @@ impl Run {
         }
         let objects = &recording.header.objects;
         let frames = called_what_they_are(&recording.frames, objects, method)
-            .map_err(|unusable| RunError::Unusable { name: name.to_owned(), unusable })?;
+            .map_err(|unusable| RunError::Unusable(name.to_owned(), unusable))?;
         let unencoded = Self {
             name: name.to_owned(),
             sha256: sha256.to_owned(),
@@ -306,7 +301,7 @@ impl Run {
     }
 
     fn unusable(&self, unusable: couple::Unusable) -> RunError {
-        RunError::Unusable { name: self.name.clone(), unusable }
+        RunError::Unusable(self.name.clone(), unusable)
     }
 
     /// The verdicts that the live judge gives on this run, which is a whole job.
@@ -352,13 +347,11 @@ pub fn verdicts(couples: &[Couples], job: &JobFile) -> Result<Vec<Verdict>, anom
     })
 }
 
-/// Collects the events of the segmenter into activities and IUs.
 #[derive(Default)]
 struct Collector {
     activities: Vec<Activity>,
     /// Index of the open activity of each hand, by [`Side::index`].
     open: [Option<usize>; 2],
-    /// The motion of the open IU of each hand.
     motion: [Vec<Motion>; 2],
 }
 

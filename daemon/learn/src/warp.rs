@@ -78,9 +78,7 @@ impl Warp {
 /// A symmetric matrix of DTW distances.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistanceMatrix {
-    /// Number of rows and of columns.
     side: usize,
-    /// Row by row.
     values: Vec<f64>,
 }
 

@@ -12,11 +12,11 @@
  */
 enum AndonLevel {
   /**
-   * One IU.
+   * One IU (interaction unit): one contact within a step.
    */
   ANDON_LEVEL_IU = 1,
   /**
-   * One activity.
+   * One activity: a step of the job.
    */
   ANDON_LEVEL_ACTIVITY = 2,
   /**
@@ -30,7 +30,7 @@ enum AndonLevel {
  */
 enum AndonOutcome {
   /**
-   * It is right.
+   * It was done right.
    */
   ANDON_OUTCOME_OK = 1,
   /**
@@ -38,7 +38,7 @@ enum AndonOutcome {
    */
   ANDON_OUTCOME_ANOMALY = 2,
   /**
-   * There was too little to decide by.
+   * Too little was seen to decide.
    */
   ANDON_OUTCOME_NOT_JUDGED = 3,
 };
@@ -52,15 +52,15 @@ enum AndonReason {
    */
   ANDON_REASON_NONE = 0,
   /**
-   * The context is in no nominal activity that can still be meant: a wrong object, or the wrong hand.
+   * A wrong object, or the wrong hand: no taught activity that is still possible has this contact.
    */
   ANDON_REASON_WRONG_OBJECT = 1,
   /**
-   * The IU belongs to the activity, or the activity to the job, but not at this point.
+   * Wrong order: the IU belongs to the activity, or the activity to the job, but not at this point.
    */
   ANDON_REASON_WRONG_ORDER = 2,
   /**
-   * The movement differs: the DTW distance is over the threshold of every candidate.
+   * Wrong motion: the DTW distance exceeds the threshold of every candidate.
    */
   ANDON_REASON_MOTION = 3,
   /**
@@ -88,19 +88,19 @@ enum AndonReason {
    */
   ANDON_REASON_OVERLOAD = 9,
   /**
-   * The hand was not seen for too long.
+   * The hand was out of view for too long.
    */
   ANDON_REASON_HAND_NOT_SEEN = 10,
   /**
-   * An object was not seen for too long.
+   * An object was out of view for too long.
    */
   ANDON_REASON_OBJECT_NOT_SEEN = 11,
   /**
-   * Its beginning was not seen: it came before the line began to watch, or was hidden.
+   * Its beginning was not seen: it came before the station was enabled, or was hidden.
    */
   ANDON_REASON_BEGINNING_NOT_SEEN = 12,
   /**
-   * It was not watched to its end: the line was disabled, got another job, or its source began again.
+   * Aborted before its end: the station was disabled, got another job, or its source began again.
    */
   ANDON_REASON_BROKEN_OFF = 13,
   /**
@@ -142,7 +142,7 @@ enum AndonNote {
    */
   ANDON_NOTE_OTHER_HAND = 3,
   /**
-   * It is no activity of the job, but all its parts belong to the job.
+   * An unknown step, with parts of the job alone.
    */
   ANDON_NOTE_STEP = 4,
 };
@@ -152,7 +152,7 @@ enum AndonNote {
  */
 enum AndonOrderFault {
   /**
-   * It does not.
+   * The order was kept.
    */
   ANDON_ORDER_FAULT_NONE = 0,
   /**
@@ -218,7 +218,7 @@ enum AndonHand {
   /**
    * No hand: verdicts on jobs.
    */
-  ANDON_HAND_ = 0,
+  ANDON_HAND_NONE = 0,
   /**
    * The right hand.
    */
@@ -261,7 +261,7 @@ enum AndonResult
    */
   ANDON_RESULT_VERDICT = 1,
   /**
-   * The judge has been stopped or has died, and no verdict comes until it is back. Returned once: drop your own ready bit.
+   * The judge has been stopped or has died, and no verdict comes until it is back. Returned once: clear your own ready bit.
    */
   ANDON_RESULT_WRITER_GONE = 2,
   /**
@@ -273,7 +273,7 @@ enum AndonResult
    */
   ANDON_RESULT_STATION = -2,
   /**
-   * The station has no steward, or it was not ready in time.
+   * The station is not running (no steward), or was not ready in time.
    */
   ANDON_RESULT_NO_STEWARD = -3,
   /**
@@ -311,7 +311,7 @@ typedef struct AndonReader AndonReader;
  */
 typedef struct AndonVerdict {
   /**
-   * Number of the verdict since this start of the judge, from 1. A jump is a loss.
+   * Number of the verdict since this start of the judge, from 1. A gap is a loss.
    */
   uint64_t seq;
   /**
@@ -419,7 +419,7 @@ typedef struct AndonVerdict {
    */
   uint8_t early;
   /**
-   * An AndonNote: what was not shown before and breaks no law.
+   * An AndonNote: what was not shown before and breaks no rule of the order.
    */
   uint8_t note;
   /**
@@ -461,7 +461,7 @@ typedef struct AndonStatus {
    */
   uint8_t writer_gone;
   /**
-   * 1 while every role of the line says that it runs, perceive that it sees the bench, and the judge that it watches a job,
+   * 1 while every process of the station says that it runs, perceive that it sees the bench, and the judge that it watches a job,
    * otherwise 0. Silence is 0.
    */
   uint8_t ready;
@@ -477,7 +477,7 @@ extern "C" {
 
 /**
  * Opens the verdict channel of `station`. `root` is the station's directory, null for `/run/andon/STATION`. Waits for at most
- * `patience_ms` for a station that is still starting. Returns ANDON_RESULT_NOTHING and writes the reader to `*out`, or returns a
+ * `timeout_ms` for a station that is still starting. Returns ANDON_RESULT_NOTHING and writes the reader to `*out`, or returns a
  * fault and writes null.
  *
  * A reader may be handed from one thread to another, as from the one that starts a program to its cyclic task. It is called by one
@@ -489,13 +489,13 @@ extern "C" {
  */
 AndonResult andon_open(const char *root,
                        const char *station,
-                       uint32_t patience_ms,
+                       uint32_t timeout_ms,
                        struct AndonReader **out);
 
 /**
  * Writes the next verdict to `*out` and returns ANDON_RESULT_VERDICT. When none is there, waits for at most `timeout_us` and returns
  * ANDON_RESULT_NOTHING. A judge that goes away ends the wait with ANDON_RESULT_WRITER_GONE. With `timeout_us` 0, or when a
- * verdict is there, the call waits for nobody; a judge that has gone away is reported all the same.
+ * verdict is there, the call does not block; a judge that has gone away is reported all the same.
  *
  * # Safety
  * `reader` is from `andon_open`, not closed, and no other call with it is running; `out` can be written.
@@ -505,8 +505,8 @@ AndonResult andon_next(struct AndonReader *reader,
                        struct AndonVerdict *out);
 
 /**
- * Writes what the reader has received so far, and whether the line is ready, to `*out` and returns ANDON_RESULT_NOTHING. It waits for
- * nobody: call it in every cycle.
+ * Writes what the reader has received so far, and whether the station is ready, to `*out` and returns ANDON_RESULT_NOTHING. It does
+ * not block: call it in every cycle.
  *
  * # Safety
  * As `andon_next`.

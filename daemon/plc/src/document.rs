@@ -109,6 +109,23 @@ Generated from `daemon/plc/src/registers` by `cargo run -p andon-plc --example r
   first zero is ignored.
 - Numbers of activities and IUs count from 0.
 
+## Terms
+
+| here | elsewhere |
+|---|---|
+| station | one bench with its PC; in PackML a machine |
+| judge | the process that compares what is done with the job |
+| job | the recipe that is loaded, and one execution of it |
+| activity, IU | a step of the job, and one contact of a hand and a part within it |
+| nominal | taught, so that it is compared with |
+| part, part id | the workpiece and its serial number |
+| result | a verdict that is offered: `ok` is good quality, `nok` is bad quality (an anomaly), and `not-judged` is uncertain: it is neither |
+| `ready` and not `busy`, `busy`, `error` | in PackML about Idle, Execute and Aborted |
+| `abort` | ends the running job as not judged; it stops no machine |
+| `acknowledge` | the handshake that takes a result; an alarm is reset by `reset_error`, in PackML Clear |
+
+No bit of this map is a safety function.
+
 ## Reading a result
 
 1. Wait for `done`. One of `ok`, `nok`, `not-judged` is set with it. The journal has the result on disk by then.
@@ -118,16 +135,16 @@ Generated from `daemon/plc/src/registers` by `cargo run -p andon-plc --example r
 
 A result stays until it is acknowledged, and {QUEUE} more can wait behind it. What comes then waits in the journal and is offered in its
 turn: a controller that was away gets everything that was judged meanwhile. A result is lost only where the journal does not have it:
-`overrun` is set, `lost` counts it, and `sequence` jumps by one.
+`overrun` is set, `lost` counts it, and `sequence` has a gap of one.
 
 **A restart loses nothing.** The journal keeps what was acknowledged, what waits, `lost`, `overrun` and `error`. After a restart of this
-role `boot` is higher, the control block is 0, and the result that was not acknowledged is offered again under its old `sequence`:
+server `boot` is higher, the control block is 0, and the result that was not acknowledged is offered again under its old `sequence`:
 a client that has already taken a result of this number acknowledges it again and does not count it twice. A client that writes in
 every cycle may still write its old control block after the restart, before it can know of it: that is why `acknowledge` names its
 result. An acknowledgement that names any other result than the offered one is refused, and nothing is lost.
 
 Without `plc.writes` nobody can acknowledge. A result then stays for at least {hold_ms} ms, and until another one takes its place. A result
-that comes while {QUEUE} wait is lost: such a client is meant to see what happens now. Watch `sequence`: a jump is a loss. `overrun` stays set once it is set.
+that comes while {QUEUE} wait is lost: such a client is meant to see what happens now. Watch `sequence`: a gap is a loss. `overrun` stays set once it is set.
 
 **No result is torn.** Each request is answered from one state, so a block that is read in one request belongs to one result. A client
 that needs several requests reads upwards from `sequence` to `sequence_end`, and discards what it has read unless the two are equal;
@@ -135,9 +152,9 @@ one that does not want the part may end at `sequence_copy`, and one that wants t
 `sequence` only grows, so nothing can have changed between two equal values, even if every register is read by itself: for the
 halves of two sequences to look alike, 65,536 results would have to pass between two requests.
 
-**Silence is never OK.** Treat the line as not ready when `heartbeat` has not moved for 1 s or when `ready` is not set. `ready` drops within
-2 s when the camera or a process of the line fails, and within 4 s when the journal hangs, as it may for a while on a busy disk;
-`busy` drops with it. `error` then names the first fault and stays until `reset_error`; without `plc.writes` it stays until the line is ready again. A result that is offered at that time
+**Silence is never OK.** Treat the station as not ready when `heartbeat` has not moved for 1 s or when `ready` is not set. `ready` drops within
+2 s when the camera or a process of the station fails, and within 4 s when the journal hangs, as it may for a while on a busy disk;
+`busy` drops with it. `error` then names the first fault and stays until `reset_error`; without `plc.writes` it stays until the station is ready again. A result that is offered at that time
 stays offered.
 
 ## Commands
@@ -151,15 +168,15 @@ counts as having refused. Write `load_job_id` and `load_model_hash` before `load
 which job the judge has. A job that is refused changes nothing.
 
 While a job runs `load_job` is refused, unless a fault is latched: then `busy` is not set, the running job will have no result that counts, and a
-lasting fault must not keep the cell from changing over. The judge breaks the job off as not judged, and nothing in it is accused.
+lasting fault must not keep the cell from changing over. The judge aborts the job as not judged, and reports no anomaly in it.
 
-**Whose bit it is.** Each commander that writes `control` writes all of its bits. Where there are two, such as a PLC and a panel, both
+**Whose bit it is.** Each client that writes `control` writes all of its bits. Where two clients write (`plc.commanders`), such as a PLC and a panel, both
 write `control_set` and `control_clear` instead: a panel that resets an error sets and clears `reset_error`, and `enable` stays the PLC's.
 
 ## The part
 
 1. Before the part comes to the bench, write its id to `part` and set `set_part`, in one request. Blanks and line ends at its two ends are no part
-   of it, as scanners add them. No id is allowed: zeros, or nothing else than blanks and line ends.
+   of it, as scanners add them. An empty id is allowed: zeros, or nothing else than blanks and line ends.
 2. Wait for `carried_out`, as for every command: then `next_part` shows the id. Clear `set_part`.
 3. The id goes with every verdict of every job that begins from then on, until another one is set: in `result_part`, in the journal,
    in the output of `andond tail --json` and in the struct for C.
@@ -168,12 +185,12 @@ write `control_set` and `control_clear` instead: a panel that resets an error se
 that is set in the middle of a job is for the next job: so a PLC can set it while the worker is still finishing the part before.
 
 **Never the wrong one.** An id with another byte that is not printable ASCII is refused, and the next job has none instead of the one before. A judge that
-starts again is given the id before `enable`; to it, what the worker goes on with is a new job. After a restart of this role the client
+starts again is given the id before `enable`; to it, what the worker goes on with is a new job. After a restart of this server the client
 sets the id again, before it writes `enable`; the judge keeps the last one until then. Where nothing was ever written here, a scanner
 or a person gives the id by `andond part ID`; once `set_part` was used, that is refused.
 
-**A judge that restarts is told again.** With `plc.writes` nothing is judged before `enable` is first written. A judge that starts again is given `enable` and the job
-that was loaded last, and until it has both, `ready` is not set. The journal keeps the loaded job over a restart of this role too; the
+**A judge that restarts gets its job again.** With `plc.writes` nothing is judged before `enable` is first written. A judge that starts again is given `enable` and the job
+that was loaded last, and until it has both, `ready` is not set. The journal keeps the loaded job over a restart of this server too; the
 control block is 0 then, and nothing is judged until the client writes `enable` again.
 
 ## A program for the PLC

@@ -13,6 +13,8 @@ const WRITE: &str = "ANDON_WRITE_HEADER";
 /// An enum of the wire as C sees it: the name, what it is, and its words with number and meaning.
 fn c_enum(name: &str, title: &str, words: impl Iterator<Item = (&'static str, u8, &'static str)>) -> String {
     let constants = words.map(|(word, number, meaning)| {
+        // In logs and JSON it is an empty text.
+        let word = if word.is_empty() { "none" } else { word };
         let constant = screaming(&format!("{name}_{word}"));
         format!("  /**\n   * {meaning}\n   */\n  {constant} = {number},\n")
     });

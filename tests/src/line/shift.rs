@@ -125,14 +125,14 @@ pub fn told_last(line: &Line) -> Option<Told> {
 fn told_by(line: &str) -> Option<Told> {
     let line: serde_json::Value = serde_json::from_str(line).ok()?;
     let retained = &line["retained"];
-    let words = retained["toldPart"].as_array()?.iter().filter_map(serde_json::Value::as_u64);
+    let words = retained["sentPart"].as_array()?.iter().filter_map(serde_json::Value::as_u64);
     let bytes: Vec<u8> = words.flat_map(|word| [(word >> 8) as u8, word as u8]).collect();
     Some(Told {
         from_ns: line["at_ns"].as_u64()?,
         part: String::from_utf8(bytes).ok()?.trim_end_matches('\0').to_owned(),
-        is_part_taken: retained["isPartTold"].as_bool()?,
-        job: u32::try_from(retained["toldJob"].as_u64()?).ok()?,
-        is_job_taken: retained["isJobTold"].as_bool()?,
+        is_part_taken: retained["isPartSent"].as_bool()?,
+        job: u32::try_from(retained["sentJob"].as_u64()?).ok()?,
+        is_job_taken: retained["isJobSent"].as_bool()?,
     })
 }
 

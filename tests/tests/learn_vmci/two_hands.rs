@@ -11,6 +11,7 @@ use andon_learn::run::Run;
 use andon_learn::teach::TeachOptions;
 use andon_tests::deletion::{Deletion, Hidden, is_accused, jobs, length_s};
 use andon_tests::environment;
+use andon_tests::rate::Rate;
 use andon_tests::simulator::Random;
 use andon_tests::station::without_points;
 
@@ -107,24 +108,28 @@ fn taught(pairing: &Pairing) -> Vec<(u32, JobFile)> {
     all_taught_by_others(&runs, &TeachOptions::new("two hands", "", method()))
 }
 
-/// `ANDON_SEED` chooses which run the left hand does beside which, and how much later.
+/// Which run the left hand does beside which, and how much later, is drawn.
 #[test]
 fn two_hands_that_each_do_a_run_of_their_own_are_right_and_what_either_leaves_out_is_found() {
-    let pairing = Pairing::any(&mut Random::new(environment::number("ANDON_SEED", 72), &[7]));
-    let (mut right, mut missed) = (Vec::new(), Vec::new());
+    let pairing = Pairing::any(&mut Random::new(environment::seed(), &[7]));
+    let (mut right, mut found) = (Vec::new(), Vec::new());
     for (number, job) in taught(&pairing) {
         let judged = |recording: &Recording| run(recording).judge(&job).unwrap();
-        right.extend((jobs(&judged(&pairing.whole(number))) == [Outcome::Ok]).then_some(number));
+        right.push(jobs(&judged(&pairing.whole(number))) == [Outcome::Ok]);
         let (one, two) = (Capture::read(number), Capture::read(pairing.other(number)));
         for (side, fault) in [
             (Side::Right, pairing.recording(number, one.clone().without_second_half(), two.clone())),
             (Side::Left, pairing.recording(number, one, two.without_second_half())),
         ] {
-            missed.extend((!is_accused(&judged(&fault))).then_some((number, side)));
+            let is_found = is_accused(&judged(&fault));
+            if !is_found {
+                println!("what the {} hand leaves out in run {number} is not found", side.name());
+            }
+            found.push(is_found);
         }
     }
-    assert_eq!(right, RUNS.collect::<Vec<u32>>());
-    assert!(missed.is_empty(), "{missed:?}");
+    Rate::of(right).expect_at_least(0.95, "runs of two hands right");
+    Rate::of(found).expect_at_least(0.97, "faults found");
     let parts: Vec<u16> = run(&pairing.whole(1)).objects.iter().map(|object| object.shape.id).collect();
     assert_eq!(parts, [BOX, TABLE, SHELF, BOX + OF_LEFT, TABLE + OF_LEFT, SHELF + OF_LEFT]);
 }
@@ -146,20 +151,20 @@ fn with_hands_lost(mut recording: Recording, random: &mut Random) -> Recording {
     recording
 }
 
-/// The IUs last for 0.4 to 0.9 s. `ANDON_SEED` chooses when the hands are lost as well.
+/// The IUs last for 0.4 to 0.9 s. When the hands are lost is drawn as well. What was not seen accuses nobody, whatever is drawn.
 #[test]
 fn hands_that_are_lost_for_a_moment_are_believed_to_hold_what_they_held() {
-    let mut random = Random::new(environment::number("ANDON_SEED", 72), &[8]);
+    let mut random = Random::new(environment::seed(), &[8]);
     let pairing = Pairing::any(&mut random);
-    let (mut right, mut accused) = (0, 0);
+    let (mut right, mut accused) = (Vec::new(), 0);
     let taught = taught(&pairing);
     for (number, job) in &taught {
         for _ in 0..4 {
             let verdicts = run(&with_hands_lost(pairing.whole(*number), &mut random)).judge(job).unwrap();
-            right += usize::from(jobs(&verdicts) == [Outcome::Ok]);
+            right.push(jobs(&verdicts) == [Outcome::Ok]);
             accused += usize::from(is_accused(&verdicts));
         }
     }
-    println!("{right} right and {accused} accused of {}", 4 * taught.len());
-    assert!(right > 2 * taught.len() && accused == 0);
+    Rate::of(right).expect_at_least(0.6, "right although hands were lost");
+    assert_eq!(accused, 0, "accused for what was not seen");
 }

@@ -198,7 +198,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
 pub(super) const EXIT_CODES: &[(&str, &str)] = &[
     (
         "0",
-        "it is done, or was asked to stop; replay: all is correct; status: all roles are healthy; idle: no job is running",
+        "success, or stopped on request; replay: all is correct; status: all roles are healthy; idle: no job is running",
     ),
     (
         "1",
@@ -216,7 +216,7 @@ pub(super) const EXIT_CODES: &[(&str, &str)] = &[
         "78",
         "the configuration is wrong, or what it names is missing or damaged; a unit does not start the role again",
     ),
-    ("141", "nobody reads what it prints any more, as behind `| head`"),
+    ("141", "the output pipe was closed, as by `| head`"),
 ];
 
 /// The whole command line, with the examples of each command and the exit codes.

@@ -79,7 +79,7 @@ pub enum Command {
     Restore(Restore),
     /// Wait until no job is running; the exit code says whether one still is
     Idle(Idle),
-    /// Say which part comes next: its id goes with every verdict of the job that begins next
+    /// Set the part id of the next part: it goes with every verdict of the job that begins next
     Part(Part),
     /// Compare and cluster the IUs of a folder of recordings; write a report
     Analyze(Analyze),

@@ -253,9 +253,7 @@ impl OpenActivity {
         let is_same = context == Context::IDLE || context == self.newest.0;
         if self.junction.hidden > 0 && is_same {
             // The hand may have let go meanwhile, and begun again with the same object.
-            if self.junction.hidden > self.min_idle_frames {
-                self.note_possible_end(job);
-            }
+            self.note_possible_end(job);
             let hidden = core::mem::take(&mut self.junction.hidden);
             for (places, nominal) in self.places.iter_mut().zip(job.activities) {
                 *places = places.resume(hidden, nominal.ius, context);

@@ -104,21 +104,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         let Some(nominal) = activity.matched(self.side, progress) else {
             // What the hand does after it has been idle is another activity, unless it is idle in the middle of this one.
-            let may_be_next = self.iu.is_none() && progress.may_be_matched() && activity.may_be_complete(job);
-            if self.watch.was_idle() && activity.has_ended_if_idle(job)
-                || activity.must_have_ended()
-                || may_be_next
-            {
+            if self.watch.was_idle() && activity.has_ended_if_idle(job) || activity.must_have_ended() {
                 segmenter.activity_matched(&[]);
             }
             return;
         };
         if job.allows_insertions(nominal) {
-            // Whatever the hand goes on to do with the same object belongs to it, until all has come that the job requires.
+            // Whatever the hand goes on to do with the same object belongs to it.
             progress.set_waiting(self.side, Some(nominal).filter(|_| !activity.is_concluded));
-            if self.iu.is_none() && progress.may_be_matched() {
-                segmenter.activity_matched(&[]);
-            }
             return;
         }
         let continuations = activity.continuations(job);

@@ -111,7 +111,7 @@ table! {
         "Set station.job, or let the PLC select a job";
     WARN 312 FRAME_OUT_OF_ORDER: "a frame came late, twice or out of order and was refused",
         "If it happens again and again, look at the camera's driver and at the load of the machine";
-    WARN 313 NOTE: "a step was done in a way that nobody has shown, but it breaks no law",
+    WARN 313 NOTE: "a step was done in a way that nobody has shown, but it breaks no rule of the order",
         "Check whether it was right; if it was, teach the job again with such a run as well";
 
     INFO 401 JOURNAL_OPENED: "the journal is open", "";

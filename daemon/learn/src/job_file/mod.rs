@@ -27,11 +27,10 @@ use andon_core::couple::{Context, Motion};
 use andon_core::job::{Job, JobObject, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu};
 use andon_core::object::ObjectShape;
 use andon_core::set::ActivitySet;
+use serde::Deserialize;
 
-/// The value of `format`.
 pub(crate) const FORMAT: &str = "andon.job";
 
-/// The value of `version`.
 pub(crate) const VERSION: i64 = 2;
 
 /// One IU of a nominal activity, owned.
@@ -65,7 +64,8 @@ pub struct TaughtActivity {
 }
 
 /// What stands between an activity and one before it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum RelationKind {
     /// It is law that the other one has begun.
     Begin,
@@ -90,11 +90,13 @@ impl RelationKind {
 }
 
 /// The relation of an activity to one before it, with its evidence.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Relation {
     /// The number of the activity that comes before.
     pub activity: u16,
     /// What stands between them.
+    #[serde(rename = "law")]
     pub kind: RelationKind,
     /// How many runs have both.
     pub runs: u16,
@@ -103,27 +105,34 @@ pub struct Relation {
 }
 
 /// What the order of the job asks of one activity.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct TaughtStep {
     /// Whether all runs have it.
+    #[serde(rename = "required")]
     pub is_required: bool,
     /// The nominal activities, by their indices in the job, that do only a part of what other runs do in one, and that it completes: it is required
     /// where one of them was done.
+    #[serde(default)]
     pub completes: Vec<u16>,
     /// Whether a second time has no place in the job.
+    #[serde(rename = "once")]
     pub is_once: bool,
     /// Whether other IUs may come between those of the sequences, see [`Law::allows_insertions`].
+    #[serde(default, rename = "insertions")]
     pub allows_insertions: bool,
     /// How many runs have it.
     pub runs: u16,
     /// Its relations to activities before it.
     pub after: Vec<Relation>,
-    /// The ids of the objects that it moves for good from where they lie at the beginning.
+    /// The ids of the objects that it moves for good from where they lie at the beginning. The file has that with these.
+    #[serde(skip)]
     pub moves: Vec<u16>,
 }
 
 /// A recording that a job was taught from.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Source {
     /// Its name, without folders.
     pub name: String,
@@ -134,7 +143,8 @@ pub struct Source {
 }
 
 /// Where a job comes from.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Provenance {
     /// Name and version of the program that taught it.
     pub program: String,
@@ -149,6 +159,7 @@ pub struct Provenance {
     /// Whether somebody has said that the order matters, or that it does not.
     pub order: Option<bool>,
     /// The recordings that it was taught from.
+    #[serde(default, rename = "source")]
     pub sources: Vec<Source>,
 }
 

@@ -2,7 +2,7 @@
 //! person may change them: the job, its hash and what a PLC knows of it stay the same.
 
 use super::JobFile;
-use super::text::{hand_name, quoted};
+use super::text::{hand_name, others, quoted};
 use andon_core::couple::Context;
 use std::fmt::Write as _;
 
@@ -56,13 +56,7 @@ impl JobFile {
         let Some(Context([hand, part, _, _])) = contexts.first() else {
             return format!("step {}", number + 1);
         };
-        let mut others: Vec<String> = Vec::new();
-        for Context([_, _, _, other]) in contexts.iter().filter(|context| context.is_pair()) {
-            let name = self.object_name(*other);
-            if !others.contains(&name) {
-                others.push(name);
-            }
-        }
+        let others = others(&contexts, |id| self.object_name(id));
         let part = self.object_name(*part);
         let words = if others.is_empty() {
             format!("{part} in hand")

@@ -1,13 +1,11 @@
 //! From text to a job: first the version, then the checksum, then every key.
 
 use super::{
-    FORMAT, JobFault, JobFile, JobFileError, Provenance, Relation, RelationKind, ShownValues, Source,
-    TaughtActivity, TaughtIu, TaughtStep, VERSION, checksum, runs, validate,
+    FORMAT, JobFault, JobFile, JobFileError, Provenance, ShownValues, TaughtActivity, TaughtIu, TaughtStep,
+    VERSION, checksum, runs, validate,
 };
 use crate::file::{self, typographic};
-use crate::recording::NamedObject;
-use crate::rule::{BoundsRule, ThresholdRule};
-use crate::strictness::Strictness;
+use crate::recording::{NamedObject, SpaceName};
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::config::{Contact, Method};
 use andon_core::couple::Context;
@@ -38,12 +36,12 @@ struct JobText {
     /// A file without this key was taught before it was measured.
     #[serde(default)]
     min_rate_hz: f32,
-    provenance: ProvenanceText,
+    provenance: Provenance,
     method: MethodText,
     #[serde(default)]
     object: Vec<ObjectText>,
     rests: Vec<u16>,
-    step: Vec<StepText>,
+    step: Vec<TaughtStep>,
     activity: Vec<ActivityText>,
     /// A file without this section was taught before steps had names.
     #[serde(default)]
@@ -57,46 +55,6 @@ struct NamesText {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ProvenanceText {
-    program: String,
-    date: String,
-    rule: ThresholdRule,
-    bounds: BoundsRuleText,
-    strictness: Option<Strictness>,
-    order: Option<bool>,
-    #[serde(default)]
-    source: Vec<SourceText>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct BoundsRuleText {
-    /// A file with this key was taught when an IU at no other part had a minimum duration, which accused the quick and found nothing. It is
-    /// not used any more.
-    #[serde(rename = "min_duration")]
-    _min_duration: Option<f64>,
-    max_duration: f64,
-    pause_s: f64,
-    false_alarms: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SourceText {
-    name: String,
-    sha256: String,
-    left_out: bool,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum SpaceText {
-    Plane,
-    Metric,
-}
-
-#[derive(Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum CostText {
     Normalised,
@@ -105,7 +63,7 @@ enum CostText {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(remote = "Contact", deny_unknown_fields)]
 struct ContactText {
     on_m: f32,
     off_m: f32,
@@ -114,7 +72,8 @@ struct ContactText {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MethodText {
-    space: SpaceText,
+    #[serde(with = "SpaceName")]
+    space: Space,
     cost: CostText,
     /// A file without this key was taught without it.
     #[serde(default = "no_slowdown")]
@@ -124,8 +83,10 @@ struct MethodText {
     free_ends: bool,
     rate_hz: f32,
     bins: u8,
-    hand_contact: ContactText,
-    object_contact: ContactText,
+    #[serde(with = "ContactText")]
+    hand_contact: Contact,
+    #[serde(with = "ContactText")]
+    object_contact: Contact,
     persist_frames: u8,
     rest_speed_m_s: f32,
     dead_band_m_s2: f32,
@@ -163,36 +124,6 @@ struct MeetingText {
     points: Vec<Point>,
     on_m: f32,
     off_m: f32,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct StepText {
-    required: bool,
-    #[serde(default)]
-    completes: Vec<u16>,
-    once: bool,
-    #[serde(default)]
-    insertions: bool,
-    runs: u16,
-    after: Vec<RelationText>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RelationText {
-    activity: u16,
-    law: KindText,
-    runs: u16,
-    gap_s: f32,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum KindText {
-    Begin,
-    End,
-    Usual,
 }
 
 #[derive(Deserialize)]
@@ -241,7 +172,6 @@ struct ShownText {
     place_m: f32,
 }
 
-/// Minimum and maximum.
 #[derive(Deserialize)]
 struct BoundsText(u32, MaxText);
 
@@ -315,8 +245,8 @@ fn job_of(text: JobText) -> Result<JobFile, JobFault> {
             |object: &&ObjectText| object.start.iter().any(|start| start.moved_by.contains(&number));
         text.object.iter().filter(is_moved).map(|object| object.id).collect()
     };
-    let steps: Vec<TaughtStep> =
-        text.step.into_iter().enumerate().map(|(number, step)| step_of(step, moves(number))).collect();
+    let steps = text.step.into_iter().enumerate();
+    let steps = steps.map(|(number, step)| TaughtStep { moves: moves(number), ..step }).collect();
     let objects = text.object.into_iter().enumerate().map(|(index, object)| object_of(index, object));
     let activities =
         text.activity.into_iter().enumerate().map(|(index, activity)| activity_of(index, activity));
@@ -332,41 +262,18 @@ fn job_of(text: JobText) -> Result<JobFile, JobFault> {
         objects: objects.collect::<Result<_, _>>()?,
         activities: activities.collect::<Result<_, _>>()?,
         method: method_of(text.method),
-        provenance: provenance_of(text.provenance),
+        provenance: text.provenance,
         step_names: text.names.steps,
     })
 }
 
-fn provenance_of(text: ProvenanceText) -> Provenance {
-    let source =
-        |source: SourceText| Source { name: source.name, sha256: source.sha256, left_out: source.left_out };
-    Provenance {
-        program: text.program,
-        date: text.date,
-        rule: text.rule,
-        bounds: bounds_rule_of(text.bounds),
-        strictness: text.strictness,
-        order: text.order,
-        sources: text.source.into_iter().map(source).collect(),
-    }
-}
-
-fn bounds_rule_of(text: BoundsRuleText) -> BoundsRule {
-    let BoundsRuleText { _min_duration, max_duration, pause_s, false_alarms } = text;
-    BoundsRule { max_duration, pause_s, false_alarms }
-}
-
 fn method_of(text: MethodText) -> Method {
-    let contact = |contact: ContactText| Contact { on_m: contact.on_m, off_m: contact.off_m };
     Method {
-        space: match text.space {
-            SpaceText::Plane => Space::Plane,
-            SpaceText::Metric => Space::Metric,
-        },
+        space: text.space,
         rate_hz: text.rate_hz,
         bins: text.bins,
-        hand_contact: contact(text.hand_contact),
-        object_contact: contact(text.object_contact),
+        hand_contact: text.hand_contact,
+        object_contact: text.object_contact,
         persist_frames: text.persist_frames,
         rest_speed_m_s: text.rest_speed_m_s,
         dead_band_m_s2: text.dead_band_m_s2,
@@ -405,29 +312,6 @@ fn fitting<T: Clone, const MAX: usize>(items: &[T], key: &str) -> Result<heaples
         key: key.to_owned(),
         problem: format!("there are {}; at most {MAX} can be followed", items.len()),
     })
-}
-
-fn step_of(text: StepText, moves: Vec<u16>) -> TaughtStep {
-    let kind = |kind| match kind {
-        KindText::Begin => RelationKind::Begin,
-        KindText::End => RelationKind::End,
-        KindText::Usual => RelationKind::Usual,
-    };
-    let relation = |relation: RelationText| Relation {
-        activity: relation.activity,
-        kind: kind(relation.law),
-        runs: relation.runs,
-        gap_s: relation.gap_s,
-    };
-    TaughtStep {
-        is_required: text.required,
-        completes: text.completes,
-        is_once: text.once,
-        allows_insertions: text.insertions,
-        runs: text.runs,
-        after: text.after.into_iter().map(relation).collect(),
-        moves,
-    }
 }
 
 fn activity_of(index: usize, text: ActivityText) -> Result<TaughtActivity, JobFault> {

@@ -31,7 +31,6 @@ pub(super) fn motions(rows: &[String]) -> Result<Vec<Motion>, RowFault> {
     Ok(motions)
 }
 
-/// The run length and the motion of a row.
 fn run(row: &str) -> Option<(usize, Motion)> {
     let (count, features) = row.split_once(':')?;
     let mut motion = Motion::default();

@@ -37,7 +37,6 @@ pub struct ShownValues {
 }
 
 impl ShownValues {
-    /// Each measure by its key in the file.
     fn by_key(&self) -> [(&'static str, &[f32]); 9] {
         [
             ("frames", &self.frames),

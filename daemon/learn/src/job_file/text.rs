@@ -47,51 +47,26 @@ impl JobFile {
         self.method_text(&mut text);
         self.objects.iter().for_each(|object| self.object_text(&mut text, object));
         self.steps_text(&mut text);
-        line!(
-            text,
-            "\n# An activity is a sequence of IUs. In each IU, `threshold` is the maximum DTW distance to the reference,"
-        );
-        line!(
-            text,
-            "# `frames` the minimum and maximum duration in frames, and `reversals` the minimum and maximum number of"
-        );
-        line!(
-            text,
-            "# times that the motion comes back. `stroke_m` is the mean length of a stroke and `path_m` that of the whole way,"
-        );
-        line!(
-            text,
-            "# which is no more than `max_detour_m` longer than the straight one. `max_bow_m` is how far off the straight line the hand"
-        );
-        line!(
-            text,
-            "# may go on its way on the bench, from where it took the part or came to the part before to where it is then;"
-        );
-        line!(
-            text,
-            "# `axis` (cos 2a, sin 2a for a way along the angle a) and `place_m` are a centre and the maximum distance from"
-        );
-        line!(
-            text,
-            "# it, in metres, in the frame of the other part. `shown` is the minimum and maximum that the runs measured, and their"
-        );
-        line!(
-            text,
-            "# maximum distance from the two centres: verdicts name it, and it decides nothing. A row of the reference has a number"
-        );
-        line!(
-            text,
-            "# of frames, and the motion in these frames: a_h theta_hj phi_hj jm_hj theta_jl phi_jl jm_jl."
+        text.push_str(
+            "
+# An activity is a sequence of IUs. In each IU, `threshold` is the maximum DTW distance to the reference,
+# `frames` the minimum and maximum duration in frames, and `reversals` the minimum and maximum number of
+# times that the motion comes back. `stroke_m` is the mean length of a stroke and `path_m` that of the whole way,
+# which is no more than `max_detour_m` longer than the straight one. `max_bow_m` is how far off the straight line the hand
+# may go on its way on the bench, from where it took the part or came to the part before to where it is then;
+# `axis` (cos 2a, sin 2a for a way along the angle a) and `place_m` are a centre and the maximum distance from
+# it, in metres, in the frame of the other part. `shown` is the minimum and maximum that the runs measured, and their
+# maximum distance from the two centres: verdicts name it, and it decides nothing. A row of the reference has a number
+# of frames, and the motion in these frames: a_h theta_hj phi_hj jm_hj theta_jl phi_jl jm_jl.
+",
         );
         // Without them, an older file has its own text again.
         if self.activities.iter().flat_map(|activity| &activity.ius).any(|iu| iu.shown.is_some()) {
-            line!(
-                text,
-                "# `runs` is what the runs measured, each measure sorted, in the units of the bounds, and `distance` their DTW distances from"
-            );
-            line!(
-                text,
-                "# each other. It takes the place of `shown`: people see by it where an execution lies."
+            text.push_str(
+                "\
+# `runs` is what the runs measured, each measure sorted, in the units of the bounds, and `distance` their DTW distances from
+# each other. It takes the place of `shown`: people see by it where an execution lies.
+",
             );
         }
         self.activities.iter().for_each(|activity| self.activity_text(&mut text, activity));
@@ -146,19 +121,14 @@ impl JobFile {
     }
 
     fn steps_text(&self, text: &mut String) {
-        line!(
-            text,
-            "\n# A step is an activity of the job, by its number, and what the order asks of it. `required`: all runs have it."
+        text.push_str(
+            "
+# A step is an activity of the job, by its number, and what the order asks of it. `required`: all runs have it.
+# `once`: it must not be repeated. `after`: the activities that come before it, each with the number of `runs` that
+# have both and the mean time between the two beginnings. `law`: the other one must have begun (begin), must have
+# ended (end), or came first without enough evidence for a law (usual).
+",
         );
-        line!(
-            text,
-            "# `once`: it must not be repeated. `after`: the activities that come before it, each with the number of `runs` that"
-        );
-        line!(
-            text,
-            "# have both and the mean time between the two beginnings. `law`: the other one must have begun (begin), must have"
-        );
-        line!(text, "# ended (end), or came first without enough evidence for a law (usual).");
         for (number, step) in self.steps.iter().enumerate() {
             let words = sequence_words(&self.step_contexts(number), |id| self.object_name(id));
             line!(text, "\n[[step]]\n# {number}: {}", words.replace(char::is_control, " "));
@@ -349,15 +319,22 @@ pub(crate) fn sequence_words(contexts: &[Context], name: impl Fn(u16) -> String)
         Some(Context([hand, j, _, _])) => format!("{} hand: {}", hand_name(*hand), name(*j)),
         None => return String::new(),
     };
-    let mut others: Vec<u16> = Vec::new();
-    for Context([_, _, _, l]) in contexts.iter().filter(|context| context.is_pair()) {
-        if !others.contains(l) {
-            words += if others.is_empty() { " at " } else { ", " };
-            words += &name(*l);
-            others.push(*l);
-        }
+    for (index, name) in others(contexts, name).iter().enumerate() {
+        words += if index == 0 { " at " } else { ", " };
+        words += name;
     }
     words
+}
+
+/// The names of the objects that others come to, each once.
+pub(super) fn others(contexts: &[Context], name: impl Fn(u16) -> String) -> Vec<String> {
+    let mut others: Vec<String> = Vec::new();
+    for other in contexts.iter().filter(|context| context.is_pair()).map(|context| name(context.0[3])) {
+        if !others.contains(&other) {
+            others.push(other);
+        }
+    }
+    others
 }
 
 /// The hand of a context, which holds its number (`ID_h` in the paper).

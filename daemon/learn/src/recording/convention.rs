@@ -3,6 +3,7 @@
 //! Nothing is converted: what is refused here is certainly something else, and which of several units it is, is a guess.
 
 use super::error::TrackFault;
+use crate::statistics::median;
 use andon_core::input::{Hand, Object, Space};
 
 /// So many hands, and as many steps in time, show the unit: one that a tracker misplaces decides nothing.
@@ -36,17 +37,15 @@ const MIN_TURN_WITHOUT_TILT: f64 = 0.005;
 const SAME_M: f32 = 0.001;
 const APART_M: f32 = 0.05;
 
-/// What the frames so far show.
 #[derive(Debug)]
 pub(super) struct Conventions {
     rate_hz: f64,
     space: Space,
-    /// Lengths of hands; empty again when they were looked at.
-    hands: Vec<f64>,
-    has_looked_at_hands: bool,
+    /// Lengths of hands; none any more when they were looked at.
+    hands: Option<Vec<f64>>,
     newest_t: Option<f64>,
-    steps: Vec<f64>,
-    has_looked_at_steps: bool,
+    /// Steps in time, likewise.
+    steps: Option<Vec<f64>>,
     rotations: Rotations,
     /// How many hands were seen, and the least and the largest y and z of hands and parts.
     places: (usize, [[f32; 2]; 2]),
@@ -67,11 +66,9 @@ impl Conventions {
         Self {
             rate_hz,
             space,
-            hands: Vec::new(),
-            has_looked_at_hands: false,
+            hands: Some(Vec::new()),
             newest_t: None,
-            steps: Vec::new(),
-            has_looked_at_steps: false,
+            steps: Some(Vec::new()),
             rotations: Rotations::default(),
             places: (0, [[f32::INFINITY, f32::NEG_INFINITY]; 2]),
         }
@@ -79,18 +76,16 @@ impl Conventions {
 
     /// Takes the time of a frame, as the file has it.
     pub(super) fn time(&mut self, t: f64) -> Result<(), TrackFault> {
-        if self.has_looked_at_steps {
-            return Ok(());
-        }
-        self.steps.extend(self.newest_t.replace(t).map(|before| t - before));
-        if self.steps.len() < STEPS { Ok(()) } else { self.look_at_steps() }
+        let before = self.newest_t.replace(t);
+        let Some(steps) = &mut self.steps else { return Ok(()) };
+        steps.extend(before.map(|before| t - before));
+        if steps.len() < STEPS { Ok(()) } else { self.look_at_steps() }
     }
 
-    /// Takes what was seen in a frame.
     pub(super) fn frame(&mut self, hands: &[Hand], objects: &[Object]) -> Result<(), TrackFault> {
-        if !self.has_looked_at_hands {
-            self.hands.extend(hands.iter().map(length));
-            if self.hands.len() >= HANDS {
+        if let Some(lengths) = &mut self.hands {
+            lengths.extend(hands.iter().map(length));
+            if lengths.len() >= HANDS {
                 self.look_at_hands()?;
             }
         }
@@ -123,26 +118,20 @@ impl Conventions {
     }
 
     fn look_at_hands(&mut self) -> Result<(), TrackFault> {
-        self.has_looked_at_hands = true;
-        if self.hands.is_empty() {
-            return Ok(());
-        }
-        let length = crate::statistics::median(&std::mem::take(&mut self.hands));
+        let Some(lengths) = self.hands.take().filter(|lengths| !lengths.is_empty()) else { return Ok(()) };
+        let length = median(&lengths);
         let unit = match length {
             ..=MAX_HAND_M => return Ok(()),
             MIN_HAND_MM.. => "millimetres; divide them by 1000",
             MIN_HAND_CM.. => "centimetres; divide them by 100 (inches by 39.37)",
             _ => "another unit; convert them",
         };
-        Err(TrackFault::Lengths { length, unit })
+        Err(TrackFault::Lengths(length, unit))
     }
 
     fn look_at_steps(&mut self) -> Result<(), TrackFault> {
-        self.has_looked_at_steps = true;
-        if self.steps.is_empty() {
-            return Ok(());
-        }
-        let step = crate::statistics::median(&std::mem::take(&mut self.steps));
+        let Some(steps) = self.steps.take().filter(|steps| !steps.is_empty()) else { return Ok(()) };
+        let step = median(&steps);
         let units = [("milliseconds", 1e3), ("microseconds", 1e6), ("nanoseconds", 1e9)];
         let is_meant = |factor: f64| {
             let times = step * self.rate_hz / factor;
@@ -152,13 +141,9 @@ impl Conventions {
         let numbers = Some(("frames", self.rate_hz)).filter(|_| step == 1.0 && self.rate_hz > MAX_WRONG_RATE);
         match units.into_iter().find(|(_, factor)| is_meant(*factor)).or(numbers) {
             None => Ok(()),
-            Some((unit, factor)) => Err(TrackFault::Times {
-                step,
-                rate_hz: self.rate_hz,
-                expected: 1.0 / self.rate_hz,
-                unit,
-                factor,
-            }),
+            Some((unit, factor)) => {
+                Err(TrackFault::Times(step, self.rate_hz, 1.0 / self.rate_hz, unit, factor))
+            }
         }
     }
 
@@ -185,13 +170,11 @@ impl Conventions {
     }
 }
 
-/// From the wrist to the tip of the middle finger.
 fn length(hand: &Hand) -> f64 {
     let [x, y, z] = [0, 1, 2].map(|axis| f64::from(hand.tips[1][axis]) - f64::from(hand.wrist[axis]));
     (x * x + y * y + z * z).sqrt()
 }
 
-/// That a file is compressed.
 pub(super) fn packed(line: &[u8]) -> Option<&'static str> {
     line.starts_with(&[0x1f, 0x8b]).then_some("it is compressed; unpack it with gunzip")
 }
@@ -219,7 +202,6 @@ pub(super) fn other_text(line: &[u8]) -> Option<&'static str> {
     })
 }
 
-/// Checks a point of an object in the header.
 pub(super) fn point(id: u16, point: &[f64; 3]) -> Result<(), TrackFault> {
     let far = point.iter().fold(0.0_f64, |far, value| far.max(value.abs()));
     if far > MAX_POINT_M { Err(TrackFault::FarPoint(id, far)) } else { Ok(()) }

@@ -63,38 +63,23 @@ pub enum TrackFault {
         "{0} is no place; write null, or leave the part or the hand out of a frame in which it is not seen"
     )]
     Infinite(&'static str),
-    /// Places are in another unit than metres: that of the hands, by the length of a hand.
+    /// Places are in another unit than metres: the median length of a hand in the file, and the unit that makes a hand of it.
     #[error(
-        "a hand is {length:.1} long, from its wrist to the tip of its middle finger: places are in metres, and these seem to be in {unit}"
+        "a hand is {0:.1} long, from its wrist to the tip of its middle finger: places are in metres, and these seem to be in {1}"
     )]
-    Lengths {
-        /// The median length of a hand, as the file has it.
-        length: f64,
-        /// The unit that makes a hand of it, and how it is converted.
-        unit: &'static str,
-    },
+    Lengths(f64, &'static str),
     /// A point of an object is metres away from it.
     #[error(
         "an interaction point of object {0} lies {1} from it: points are in metres, as places are: 100 mm is 0.1"
     )]
     FarPoint(u16, f64),
-    /// Times are in another unit than seconds, by the rate of the header.
+    /// Times are in another unit than seconds: the median step, the rate of the header and its step, the unit that makes it, and how many of them a
+    /// second has.
     #[error(
-        "t goes on by {step} from frame to frame, and at rate_hz {rate_hz} it should by {expected:.4}: t is in seconds, and this seems to be in \
-         {unit}; divide it by {factor}"
+        "t goes on by {0} from frame to frame, and at rate_hz {1} it should by {2:.4}: t is in seconds, and this seems to be in \
+         {3}; divide it by {4}"
     )]
-    Times {
-        /// The median step.
-        step: f64,
-        /// The rate of the header.
-        rate_hz: f64,
-        /// The step at that rate.
-        expected: f64,
-        /// The unit that makes this rate of it.
-        unit: &'static str,
-        /// How many of them a second has.
-        factor: f64,
-    },
+    Times(f64, f64, f64, &'static str, f64),
     /// Quaternions have their real part last.
     #[error(
         "q of object {0} and of all others turns about no axis that a part on a bench turns about, unless its numbers stand in the order x, y, z, \
@@ -107,32 +92,15 @@ pub enum TrackFault {
          height second; write [x, z, y], and turn q likewise"
     )]
     HeightSecond(f64),
-    /// A number is out of its range.
-    #[error("{name} is {value}; it must be in {range}")]
-    Range {
-        /// The key.
-        name: &'static str,
-        /// The value.
-        value: f64,
-        /// The values that are allowed.
-        range: &'static str,
-    },
-    /// `t` is not greater than in the previous frame.
-    #[error("t is {t} s after {before} s in the previous frame; t must increase")]
-    Time {
-        /// `t` of this line, in seconds.
-        t: f64,
-        /// `t` of the previous frame, in seconds.
-        before: f64,
-    },
-    /// A hand has a wrong number of landmarks.
-    #[error("a hand has {found} landmarks; the header promises {expected}")]
-    Landmarks {
-        /// The number in this line.
-        found: usize,
-        /// The number in the header.
-        expected: usize,
-    },
+    /// The number of this key is out of this range.
+    #[error("{0} is {1}; it must be in {2}")]
+    Range(&'static str, f64, &'static str),
+    /// `t` is not greater than in the previous frame, both in seconds.
+    #[error("t is {0} s after {1} s in the previous frame; t must increase")]
+    Time(f64, f64),
+    /// A hand has another number of landmarks than the header promises.
+    #[error("a hand has {0} landmarks; the header promises {1}")]
+    Landmarks(usize, usize),
     /// The header has a number of landmarks other than 21 and 5.
     #[error("\"landmarks\" is {0}; it must be 21 or 5")]
     LandmarkCount(u64),
@@ -148,22 +116,12 @@ pub enum TrackFault {
     /// An object has id 0.
     #[error("an object has id 0; ids are 1 to 65535")]
     ZeroId,
-    /// An object has no interaction point, or too many of them.
-    #[error("object {id} has {found} interaction points; it must have 1 to {INTERACTION_POINTS}")]
-    InteractionPoints {
-        /// The object's id.
-        id: u16,
-        /// The number of its interaction points.
-        found: usize,
-    },
-    /// There are more objects or hands than the method can follow.
-    #[error("there are {found} {what}; at most {OBJECTS} objects and {HANDS} hands can be followed")]
-    Full {
-        /// "objects" or "hands".
-        what: &'static str,
-        /// Their number.
-        found: usize,
-    },
+    /// The object with this id has no interaction point, or too many of them.
+    #[error("object {0} has {1} interaction points; it must have 1 to {INTERACTION_POINTS}")]
+    InteractionPoints(u16, usize),
+    /// There are more "objects" or "hands" than the method can follow.
+    #[error("there are {1} {0}; at most {OBJECTS} objects and {HANDS} hands can be followed")]
+    Full(&'static str, usize),
     /// A quaternion is not a rotation: object and length.
     #[error("q of object {0} has length {1}; a rotation is a unit quaternion [w, x, y, z]")]
     Quaternion(u16, f32),

@@ -1,13 +1,11 @@
 //! The lines of a track file as they are on disk.
 
 use super::Landmarks;
-use andon_core::input::Side;
+use andon_core::input::{Side, Space};
 use serde::{Deserialize, Deserializer, Serialize};
 
-/// The value of `format`.
 pub(super) const FORMAT: &str = "andon.tracks";
 
-/// The value of `version`.
 pub(super) const VERSION: i64 = 1;
 
 /// The part of the first line that every version has.
@@ -17,9 +15,10 @@ pub(super) struct Magic {
     pub(super) version: i64,
 }
 
-#[derive(Clone, Copy, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum SpaceName {
+/// The names of [`Space`].
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Space", rename_all = "lowercase")]
+pub(crate) enum SpaceName {
     Plane,
     Metric,
 }
@@ -54,7 +53,8 @@ pub(super) struct HeaderLine {
     pub(super) format: String,
     pub(super) version: i64,
     pub(super) rate_hz: f64,
-    pub(super) space: SpaceName,
+    #[serde(with = "SpaceName")]
+    pub(super) space: Space,
     #[serde(default = "all_landmarks")]
     pub(super) landmarks: u64,
     pub(super) hands: Vec<HandName>,

@@ -23,6 +23,7 @@ mod repeats;
 mod writer;
 
 pub use error::{TrackError, TrackFault};
+pub(crate) use line::SpaceName;
 pub use person::person_of;
 pub use reader::{TrackReader, Truncation, read};
 pub use repeats::SeenTracks;

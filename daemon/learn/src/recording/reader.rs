@@ -2,11 +2,11 @@
 
 use super::convention::{self, Conventions};
 use super::error::{TrackError, TrackFault};
-use super::line::{FORMAT, FrameLine, HandEntry, HeaderLine, Magic, ObjectEntry, SpaceName, VERSION, all};
+use super::line::{FORMAT, FrameLine, HandEntry, HeaderLine, Magic, ObjectEntry, VERSION, all};
 use super::{Header, Landmarks, NamedObject, Recording};
 use crate::file::{BYTE_ORDER_MARK, NotText, is_utf16};
 use andon_core::capacity::{HANDS, OBJECTS};
-use andon_core::input::{Frame, Hand, Object, Point, Side, Space};
+use andon_core::input::{Frame, Hand, Object, Point, Side};
 use andon_core::object::ObjectShape;
 use std::fmt;
 use std::io::{BufRead, Read};
@@ -118,10 +118,10 @@ impl<R: BufRead> TrackReader<R> {
         let origin_s = *self.origin_s.get_or_insert(if line.t > MAX_TIME_S { line.t } else { 0.0 });
         if !(0.0..=MAX_TIME_S).contains(&(line.t - origin_s)) {
             let range = "0 to 1e9 seconds: subtract the first one from all";
-            return Err(TrackFault::Range { name: "t", value: line.t, range });
+            return Err(TrackFault::Range("t", line.t, range));
         }
         if let Some(before) = self.before_s.filter(|before| line.t <= *before) {
-            return Err(TrackFault::Time { t: line.t, before });
+            return Err(TrackFault::Time(line.t, before));
         }
         self.before_s = Some(line.t);
         let frame = frame_of(&line, origin_s, &self.header)?;
@@ -148,7 +148,6 @@ impl<R: BufRead> Iterator for TrackReader<R> {
 struct Lines<R> {
     source: R,
     file: String,
-    /// The number of the newest line, from 1.
     line: usize,
     buffer: Vec<u8>,
 }
@@ -227,11 +226,7 @@ fn header_of(line: &[u8]) -> Result<Header, TrackFault> {
 fn header_of_line(line: HeaderLine) -> Result<Header, TrackFault> {
     // No camera is faster than the maximum, and a period is never zero nanoseconds.
     if !(line.rate_hz > 0.0 && line.rate_hz <= 10_000.0) {
-        return Err(TrackFault::Range {
-            name: "rate_hz",
-            value: line.rate_hz,
-            range: "greater than 0 and at most 10000",
-        });
+        return Err(TrackFault::Range("rate_hz", line.rate_hz, "greater than 0 and at most 10000"));
     }
     let landmarks = match line.landmarks {
         21 => Landmarks::All,
@@ -247,10 +242,7 @@ fn header_of_line(line: HeaderLine) -> Result<Header, TrackFault> {
     }
     Ok(Header {
         rate_hz: line.rate_hz as f32,
-        space: match line.space {
-            SpaceName::Plane => Space::Plane,
-            SpaceName::Metric => Space::Metric,
-        },
+        space: line.space,
         hands,
         landmarks,
         objects: objects_of(line)?,
@@ -259,7 +251,7 @@ fn header_of_line(line: HeaderLine) -> Result<Header, TrackFault> {
 
 fn objects_of(line: HeaderLine) -> Result<Vec<NamedObject>, TrackFault> {
     if line.objects.len() > OBJECTS {
-        return Err(TrackFault::Full { what: "objects", found: line.objects.len() });
+        return Err(TrackFault::Full("objects", line.objects.len()));
     }
     let mut objects: Vec<NamedObject> = Vec::new();
     for object in line.objects {
@@ -276,10 +268,10 @@ fn objects_of(line: HeaderLine) -> Result<Vec<NamedObject>, TrackFault> {
             convention::point(id, point)?;
             interaction_points
                 .push(point_of(point, "an interaction point")?)
-                .map_err(|_| TrackFault::InteractionPoints { id, found })?;
+                .map_err(|_| TrackFault::InteractionPoints(id, found))?;
         }
         if interaction_points.is_empty() {
-            return Err(TrackFault::InteractionPoints { id, found });
+            return Err(TrackFault::InteractionPoints(id, found));
         }
         let name = if object.name.is_empty() { format!("object {id}") } else { object.name };
         objects.push(NamedObject {
@@ -301,14 +293,14 @@ fn frame_of(line: &FrameLine, origin_s: f64, header: &Header) -> Result<Frame, T
         if frame.hands.iter().any(|known| known.side == hand.side) {
             return Err(TrackFault::Twice(format!("the {} hand", hand.side.name())));
         }
-        frame.hands.push(hand).map_err(|_| TrackFault::Full { what: "hands", found: HANDS + 1 })?;
+        frame.hands.push(hand).map_err(|_| TrackFault::Full("hands", HANDS + 1))?;
     }
     for entry in &line.objects {
         let Some(object) = object_of(entry, header)? else { continue };
         if frame.objects.iter().any(|known| known.id == object.id) {
             return Err(TrackFault::Twice(format!("object {}", object.id)));
         }
-        frame.objects.push(object).map_err(|_| TrackFault::Full { what: "objects", found: OBJECTS + 1 })?;
+        frame.objects.push(object).map_err(|_| TrackFault::Full("objects", OBJECTS + 1))?;
     }
     Ok(frame)
 }
@@ -320,12 +312,12 @@ fn hand_of(entry: &HandEntry, header: &Header) -> Result<Option<Hand>, TrackFaul
         return Err(TrackFault::UnknownHand(side.name()));
     }
     if !(0.0..=1.0).contains(&entry.score) {
-        return Err(TrackFault::Range { name: "score", value: entry.score, range: "0 to 1" });
+        return Err(TrackFault::Range("score", entry.score, "0 to 1"));
     }
     let Some(landmarks) = &entry.landmarks else { return Ok(None) };
     let expected = header.landmarks.count();
     if landmarks.len() != expected {
-        return Err(TrackFault::Landmarks { found: landmarks.len(), expected });
+        return Err(TrackFault::Landmarks(landmarks.len(), expected));
     }
     // All landmarks are checked, including those that the method does not use: a tracker that writes nonsense is not trusted.
     for point in landmarks.iter().filter_map(all) {

@@ -3,13 +3,11 @@
 
 use super::{Header, TrackError, TrackReader, Truncation};
 use andon_core::input::{Frame, Hand, Object, Point};
+use andon_core::object::REACH_M;
+use andon_core::segment::MOVED_M;
 use std::collections::VecDeque;
 use std::io::BufRead;
 
-/// A part that was moved by as much just before its place stood still was in a hand, in metres: far more than the errors of a tracker.
-const MOVED_M: f32 = 0.015;
-/// A hand that holds a part is not further from its origin, in metres.
-const REACH_M: f32 = 0.25;
 /// A hand that has gone this far from where it was goes on, in metres.
 const GOES_ON_M: f32 = 0.03;
 
@@ -71,7 +69,6 @@ impl<R: BufRead> Iterator for SeenTracks<R> {
 #[derive(Debug)]
 struct Repeats {
     blind_ns: u64,
-    /// The newest frames.
     ahead: VecDeque<Frame>,
     /// The newest frame as it came.
     newest: Option<Frame>,
@@ -94,7 +91,6 @@ struct Part {
 }
 
 impl Repeats {
-    /// Before the first frame.
     fn new(blind_ms: u32) -> Self {
         Self {
             blind_ns: u64::from(blind_ms) * 1_000_000,
@@ -106,7 +102,6 @@ impl Repeats {
         }
     }
 
-    /// Takes the next frame.
     fn push(&mut self, frame: Frame) {
         let now_ns = frame.captured_ns;
         let before = self.newest.replace(frame.clone());

@@ -1,10 +1,8 @@
 //! From frames to the text of a track file.
 
-use super::line::{
-    FORMAT, FrameLine, HandEntry, HeaderLine, HeaderObject, ObjectEntry, SpaceName, VERSION, seen,
-};
+use super::line::{FORMAT, FrameLine, HandEntry, HeaderLine, HeaderObject, ObjectEntry, VERSION, seen};
 use super::{Header, Landmarks};
-use andon_core::input::{Frame, Hand, Space};
+use andon_core::input::{Frame, Hand};
 use std::io::{self, Write};
 
 /// Writes a track file. A frame holds five landmarks per hand, so the file promises five landmarks whatever the header says.
@@ -59,7 +57,6 @@ impl<W: Write> TrackWriter<W> {
     }
 }
 
-/// The precision of the numbers that are written.
 enum Numbers {
     Rounded,
     Exact,
@@ -91,10 +88,7 @@ fn header_line(header: &Header) -> HeaderLine {
         format: FORMAT.to_owned(),
         version: VERSION,
         rate_hz: f64::from(header.rate_hz),
-        space: match header.space {
-            Space::Plane => SpaceName::Plane,
-            Space::Metric => SpaceName::Metric,
-        },
+        space: header.space,
         landmarks: Landmarks::Five.count() as u64,
         hands: header.hands.iter().map(|side| (*side).into()).collect(),
         objects: header

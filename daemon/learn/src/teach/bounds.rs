@@ -4,28 +4,28 @@
 //! only three times the speed falls short of. On the way it has no minimum: what was taken was taken. Of 15 runs in which a real person
 //! stops for 8 s none was found without the maximum, and all are with it.
 
+use super::sequence::ShownIu;
 use crate::rule::BoundsRule;
 use andon_core::bounds::Bounds;
 use andon_core::capacity::IU_FRAMES;
-use andon_core::couple::Context;
 
 /// The bounds of a release state: it lasts until the hand comes back, at once or never.
 pub(super) const UNBOUNDED: Bounds = Bounds { min: 0, max: u32::MAX };
 
 impl BoundsRule {
-    /// The maximum duration of an IU in frames of the grid, from `likely_max`, or else from the durations in frames of the demonstrations. Who
+    /// The maximum duration of an IU in frames of the grid, from `likely_max`, or else from the durations of the demonstrations. Who
     /// differs `variety` times as much from others as people in general does so in the logarithm of the duration.
     pub(super) fn max_frames(
         &self,
-        context: Context,
+        iu: &ShownIu,
         rate_hz: f32,
-        (demonstrations, variety): (&[u32], f64),
+        variety: f64,
         likely_max: Option<f64>,
     ) -> u32 {
-        if !context.is_touch() {
+        if !iu.context.is_touch() {
             return UNBOUNDED.max;
         }
-        let longest = demonstrations.iter().copied().max().unwrap_or_default();
+        let longest = iu.frames.iter().copied().max().unwrap_or_default();
         let pause = self.pause_s * f64::from(rate_hz);
         let max = self.max_duration.powf(variety) * f64::from(longest);
         let max = likely_max.filter(|_| max.is_finite()).unwrap_or(max);
@@ -36,11 +36,13 @@ impl BoundsRule {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use andon_core::couple::Context;
 
     #[test]
     fn people_who_differ_more_may_be_slower() {
         let rule = BoundsRule { max_duration: 2.0, pause_s: 1.0, ..BoundsRule::NONE };
-        let frames = |variety| rule.max_frames(Context([1, 5, 0, 0]), 30.0, (&[40, 48], variety), None);
+        let iu = ShownIu::measuring(Context([1, 5, 0, 0]), &[], &[40, 48]);
+        let frames = |variety| rule.max_frames(&iu, 30.0, variety, None);
         assert_eq!([frames(1.0), frames(2.0)], [126, 222]);
     }
 }

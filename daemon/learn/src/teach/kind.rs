@@ -3,29 +3,72 @@
 //! The number of strokes is law where five of six runs make as many, but for one reversal at the border. Else they are made by feel, and
 //! their number has bounds. Of 80 right jobs of people who stir by feel 39 were accepted while the number was law, and 74 are.
 
+use super::measures::{COUNTED_SHARE, do_agree, likely_reversals};
 use andon_core::couple::Context;
 use andon_core::segment::Measures;
 use std::ops::RangeInclusive;
 
-/// A motion with fewer reversals than this is not a repeated one.
+/// A motion with fewer reversals than this is not a repeated one. Halved and doubled, 1 and 3 of 43 jobs change, and no verdict on 314 jobs of
+/// others.
 pub(super) const MIN_REPEATED_REVERSALS: u32 = 3;
 
-/// A shorter path has no direction, in metres.
-const MIN_DIRECTED_M: f32 = 0.1;
-
-/// Whether the demonstrations repeat a motion.
-pub(super) fn is_repeated(shown: &[Measures]) -> bool {
-    shown.iter().all(|measures| measures.reversals >= MIN_REPEATED_REVERSALS)
+/// What a hand does in an IU. It is decided once, from the context and from all demonstrations together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MotionKind {
+    /// It has let go.
+    Release,
+    /// It is on its way with a part, which may be shaken there.
+    OnTheWay(Strokes),
+    /// It is with a part at another one. Without strokes, the time there shows that what is done there was done.
+    AtAnother(Strokes),
 }
 
-/// The directions of the bench are those of the parts on it only where one part moves along another.
-pub(super) fn is_directed(context: Context, shown: &[Measures]) -> bool {
-    is_at_another(context) && shown.iter().all(|measures| measures.path_m >= MIN_DIRECTED_M)
+/// How a motion is repeated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Strokes {
+    /// It is not.
+    None,
+    /// A certain number of times.
+    Counted,
+    /// By feel: the demonstrations do not agree in the number.
+    ByFeel,
 }
 
-/// Whether the time at another part shows that what is done there was done. Strokes are counted instead, and people differ in how quickly they make them.
-pub(super) fn is_timed(context: Context, shown: &[Measures]) -> bool {
-    is_at_another(context) && !is_repeated(shown)
+impl MotionKind {
+    pub(super) fn of(context: Context, shown: &[Measures]) -> Self {
+        let strokes = if shown.iter().any(|measures| measures.reversals < MIN_REPEATED_REVERSALS) {
+            Strokes::None
+        } else if do_agree(&likely_reversals(shown).collect::<Vec<_>>(), COUNTED_SHARE) {
+            Strokes::Counted
+        } else {
+            Strokes::ByFeel
+        };
+        match context {
+            _ if context.is_pair() => Self::AtAnother(strokes),
+            _ if context.is_touch() => Self::OnTheWay(strokes),
+            _ => Self::Release,
+        }
+    }
+
+    const fn strokes(self) -> Strokes {
+        match self {
+            Self::Release => Strokes::None,
+            Self::OnTheWay(strokes) | Self::AtAnother(strokes) => strokes,
+        }
+    }
+
+    pub(super) fn is_repeated(self) -> bool {
+        self.strokes() != Strokes::None
+    }
+
+    pub(super) fn is_by_feel(self) -> bool {
+        self.strokes() == Strokes::ByFeel
+    }
+
+    /// Whether the time at another part is judged. Strokes are counted instead, and people differ in how quickly they make them.
+    pub(super) fn is_timed(self) -> bool {
+        self == Self::AtAnother(Strokes::None)
+    }
 }
 
 /// Whether a hand comes to take a part away from where it lies. What has been taken has been taken, however quickly.
@@ -36,7 +79,7 @@ pub(super) fn is_taking(contexts: &[Context], index: usize) -> bool {
 
 /// Whether the hand is on its way with a part.
 pub(super) fn is_on_the_way(context: Context) -> bool {
-    context.is_touch() && !is_at_another(context)
+    context.is_touch() && !context.is_pair()
 }
 
 /// The IUs of the way to which one of these belongs: the one on the way, and the one at the part that it leads to, if it leads to one.
@@ -48,11 +91,6 @@ pub(super) fn way_of(contexts: &[Context], index: usize) -> Option<RangeInclusiv
     let with = |context: &Context| context.0[..2] == contexts[begin].0[..2];
     let end = begin + usize::from(contexts.get(begin + 1).is_some_and(with));
     (begin..=end).contains(&index).then_some(begin..=end)
-}
-
-/// Whether the IU is at another part.
-pub(super) fn is_at_another(context: Context) -> bool {
-    context.0[3] != 0
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@
 
 use super::strength::{Rule, Strengths};
 use super::threshold::Memory;
-use super::{Demonstrations, TeachOptions, learn};
+use super::{TeachOptions, TeachReport, Teaching};
 use crate::distribution::Distribution;
 use crate::run::Run;
 use andon_core::verdict::{Outcome, Verdict};
@@ -20,7 +20,6 @@ use std::collections::BTreeMap;
 /// With fewer runs, the others would be one, which shows neither an order nor a spread.
 pub(super) const MIN_RUNS: usize = 3;
 
-/// What leaving one run out shows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct LeftOut {
     /// How much is left of each rule.
@@ -33,14 +32,11 @@ pub(super) struct LeftOut {
     pub(super) shown: BTreeMap<(Rule, String), Distribution>,
 }
 
-/// One run, and what the others show.
 struct Fold<'a> {
     left_out: &'a Run,
-    others: Demonstrations,
-    memory: Memory,
+    others: Teaching<'a>,
 }
 
-/// What rejects a run that was left out.
 struct Rejection {
     name: String,
     /// The rules that it breaks, with where it lies; empty if the others teach no job, or it does something else that they do not know.
@@ -62,7 +58,7 @@ pub(super) fn tried(runs: &[&Run], options: &TeachOptions) -> Option<LeftOut> {
     let mut shown = BTreeMap::new();
     loop {
         let rejections: Vec<Rejection> =
-            folds.par_iter_mut().filter_map(|fold| fold.rejection(options, &strengths)).collect();
+            folds.par_iter_mut().filter_map(|fold| fold.rejection(&strengths)).collect();
         let names: Vec<String> = rejections
             .iter()
             .map(|rejection| rejection.name.clone())
@@ -93,30 +89,30 @@ pub(super) fn tried(runs: &[&Run], options: &TeachOptions) -> Option<LeftOut> {
 
 impl<'a> Fold<'a> {
     /// `None` if nothing can be learnt of how the others meet.
-    fn new(runs: &[&'a Run], index: usize, options: &TeachOptions) -> Option<Self> {
-        let others: Vec<Run> = runs
-            .iter()
-            .enumerate()
-            .filter(|(other, _)| *other != index)
-            .map(|(_, run)| (*run).clone())
-            .collect();
-        let others = Demonstrations::of(others, options).ok()?;
-        Some(Self { left_out: runs[index], others, memory: Memory::default() })
+    fn new(runs: &[&'a Run], index: usize, options: &'a TeachOptions) -> Option<Self> {
+        let others = runs.iter().enumerate().filter(|(other, _)| *other != index);
+        let others: Vec<Run> = others.map(|(_, run)| (*run).clone()).collect();
+        let mut others = Teaching::new(&others, options);
+        others.meet().ok()?;
+        Some(Self { left_out: runs[index], others })
     }
 
     /// What rejects the run that was left out, if anything does.
-    fn rejection(&mut self, options: &TeachOptions, strengths: &Strengths) -> Option<Rejection> {
+    fn rejection(&mut self, strengths: &Strengths) -> Option<Rejection> {
         let name = self.left_out.name.clone();
-        if self.others.agree_with(strengths) {
-            self.memory = Memory::default();
+        let before = std::mem::take(&mut self.others.agreement.sequences);
+        self.others.strengths = strengths.clone();
+        self.others.agree();
+        if self.others.agreement.sequences != before {
+            self.others.memory = Memory::default();
         }
-        let Ok(learnt) = learn(&self.others, options, strengths, &mut self.memory) else {
+        if self.others.learn().is_err() {
             return Some(Rejection { name, rules: Vec::new() });
-        };
-        let verdicts = self.left_out.judge(&learnt.job).unwrap_or_default();
+        }
+        let Teaching { report: TeachReport { job, .. }, agreement, .. } = &self.others;
+        let verdicts = self.left_out.judge(job).unwrap_or_default();
         let broken = |verdict: &Verdict| {
-            let rule = Rule::broken_by(verdict, &learnt.job)?;
-            Some((rule, Distribution::of_verdict(&learnt.job, verdict)))
+            Some((Rule::broken_by(verdict, &agreement.keys)?, Distribution::of_verdict(job, verdict)))
         };
         let rules = verdicts.iter().filter_map(broken).collect();
         let is_accused = verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly);

@@ -10,34 +10,46 @@
 //! The spread of the lateral deviation that people are given in general was chosen knowing the runs of motion capture, so these do not test it.
 
 use super::bounds::UNBOUNDED;
-use super::kind::{is_at_another, is_directed, is_on_the_way, is_repeated, is_timed};
+use super::kind::{MotionKind, Strokes, is_on_the_way};
 use super::people::{IN_GENERAL, OF_ONE_PERSON, PRIOR_DURATION, People, beyond_border, border_frames};
+use super::sequence::{Agreement, ShownIu};
 use super::strength::Strength;
 use crate::job_file::{ShownValues, of_runs};
 use crate::statistics::{mean, median, pooled_freedom, student_t, variance_of_one_more};
 use andon_core::bounds::{Around, Bounds, Range};
-use andon_core::couple::Context;
 use andon_core::job::MeasureBounds;
 use andon_core::segment::{MOVED_M, Measures};
 use andon_core::verdict::Measure;
 
 /// How people in general differ: in the logarithm of the length of a stroke, of a path and of a detour, in the number of reversals beside
-/// those at the border, in the axis and in the place in metres.
+/// those at the border, in the axis and in the place in metres. Five simulated people each of three drawn seeds differ (standard deviation, the
+/// median over the IUs of twelve jobs; in brackets runs of motion capture by one person): strokes by 0.11 to 0.18, paths on the way by 0.04 to
+/// 0.11 (0.05) and with strokes by 0.15 to 0.28, detours by 0.02 to 0.10 (0.12) and 0.18 to 0.26, reversals that are counted by 0 to 0.45 with
+/// those at the border, axes by 0.07 to 0.16 (0.24), places by 2 to 8 mm (5 mm).
 const PRIOR_STROKE: f64 = 0.15;
 pub(super) const PRIOR_PATH: f64 = 0.12;
 const PRIOR_DETOUR: f64 = 0.14;
 /// How people in general differ in the logarithm of a path, of a detour and of the number of reversals at another part where they work by feel and
 /// count no strokes: 0.2 to 0.3 in the median of simulated people who do.
 const PRIOR_BY_FEEL: f64 = 0.3;
-/// How people in general differ in how far off the straight line their way leads: as a share of how far it does and [`LATERAL_SCALE_M`].
+/// How people in general differ in how far off the straight line their way leads: as a share of how far it does and [`HAND_WIDTH_M`]. It is 0.04
+/// to 0.07 in the median of simulated people, 0.12 in nine of ten IUs, and 0.11 in motion capture.
 const PRIOR_LATERAL: f64 = 0.12;
 const PRIOR_REVERSALS: f64 = 0.2;
 const PRIOR_AXIS: f64 = 0.15;
 const PRIOR_PLACE_M: f64 = 0.008;
 
+/// How often one more right job may break a rule that ends it or calls a step left out: rare beside the stated rate of false alarms, of which
+/// every pair of parts would take its share. Of 200 jobs it is one.
+pub(super) const RARE: f64 = 0.005;
+
 /// Where a hand comes from and where it goes to may make one reversal more of a repeated motion, or one less: the way out of the contact is
 /// seen to go back before the contact ends, or only after that.
 const BORDER_REVERSALS: u32 = 1;
+
+/// The width of a hand, in metres. A shorter path has no direction, and nobody notices a way that is less straight by this. A way that leads off
+/// the straight line by this differs half as much as it would if people differed only in how much they are inclined to go round.
+pub(super) const HAND_WIDTH_M: f64 = 0.1;
 
 /// The length of the axis of strokes below which they are circles: it is 0 for a circle and 1 for a straight line.
 const MAX_ALONG_AXIS: f64 = 0.5;
@@ -48,13 +60,6 @@ pub(super) const COUNTED_SHARE: (usize, usize) = (5, 6);
 
 /// Nobody notices a path that is longer by this, in metres.
 const TOLERATED_PATH_M: f64 = 0.05;
-
-/// Nobody notices a way that is less straight by this, in metres.
-const TOLERATED_DETOUR_M: f64 = 0.1;
-
-/// A way that leads off the straight line by this differs half as much as it would if people differed only in how much they are inclined to go
-/// round, in metres.
-const LATERAL_SCALE_M: f64 = 0.1;
 
 /// The share of the job's rate of false alarms that each of the two measures has by which people differ so much that what is wrong is found
 /// only near the limit: strokes half as long, no pause at a part. The five measures without a share of their own have the rest: counts are whole,
@@ -80,102 +85,74 @@ pub(super) struct Rates {
 }
 
 impl Rates {
-    /// From the demonstrations of each IU of the job.
-    pub(super) fn new<'a>(
-        false_alarms: f64,
-        people: People,
-        ius: impl Iterator<Item = (Context, &'a [Measures])> + Clone,
-    ) -> Self {
-        let rate = |share: f64, has: &dyn Fn(Context, &[Measures]) -> bool| {
-            let count =
-                ius.clone().filter(|(context, shown)| context.is_touch() && has(*context, shown)).count();
+    /// For the IUs of a job.
+    pub(super) fn new(false_alarms: f64, people: People, agreement: &Agreement) -> Self {
+        let rate = |share: f64, has: &dyn Fn(&ShownIu) -> bool| {
+            let count = agreement.ius().filter(|iu| iu.context.is_touch() && has(iu)).count();
             false_alarms * share / count.max(1) as f64
         };
         let other = (1.0 - 2.0 * NEAR_SHARE - LATERAL_SHARE) / 5.0;
         Self {
-            reversals: rate(other, &|_, _| true),
-            stroke: rate(NEAR_SHARE, &|_, shown| is_repeated(shown)),
-            path: rate(other, &|_, _| true),
-            lateral: rate(LATERAL_SHARE, &|context, _| is_on_the_way(context)),
-            axis: rate(other, &|context, shown| is_directed(context, shown)),
-            place: rate(other, &|context, _| is_at_another(context)),
-            duration: rate(NEAR_SHARE, &is_timed),
-            pace: rate(other, &|context, shown| is_at_another(context) && is_repeated(shown)),
+            reversals: rate(other, &|_| true),
+            stroke: rate(NEAR_SHARE, &|iu| iu.kind.is_repeated()),
+            path: rate(other, &|_| true),
+            lateral: rate(LATERAL_SHARE, &|iu| is_on_the_way(iu.context)),
+            axis: rate(other, &is_directed),
+            place: rate(other, &|iu| iu.context.is_pair()),
+            duration: rate(NEAR_SHARE, &|iu| iu.kind.is_timed()),
+            pace: rate(other, &|iu| iu.context.is_pair() && iu.kind.is_repeated()),
             people,
         }
     }
 
-    /// The bounds of reversals and of the measures in metres of one IU, from its demonstrations. `met_within_m` is
-    /// how near the runs show its two parts to come, 0 where the station says it; `way` is what they measured at the end of the way that the IU is
-    /// a part of.
+    /// The bounds of reversals and of the measures in metres of one IU. `met_within_m` is how near the runs show its two parts to come, 0 where
+    /// the station says it; `way` is what they measured at the end of the way that the IU is a part of.
     pub(super) fn bounds(
         &self,
-        context: Context,
-        shown: &[Measures],
+        iu: &ShownIu,
         way: Option<&[Measures]>,
         met_within_m: f32,
         strength: &dyn Fn(Measure) -> Strength,
     ) -> (Bounds, MeasureBounds) {
         let any = MeasureBounds::ANY;
-        let is_law = |measure| strength(measure) != Strength::None;
-        if !context.is_touch() || self.path <= 0.0 {
+        if !iu.context.is_touch() || self.path <= 0.0 {
             return (UNBOUNDED, any);
         }
+        // How strong it is where it is law.
+        let law = |measure, has: bool| Some(strength(measure)).filter(|of| has && *of != Strength::None);
+        let path = law(Measure::Path, true);
+        let lateral = way.zip(law(Measure::LateralDeviation, true));
         let bounds = MeasureBounds {
-            stroke_m: if is_repeated(shown) && is_law(Measure::StrokeLength) {
-                self.stroke_m(shown, strength(Measure::StrokeLength))
-            } else {
-                any.stroke_m
-            },
-            path_m: if is_law(Measure::Path) {
-                self.path_m(context, shown, met_within_m, strength(Measure::Path))
-            } else {
-                any.path_m
-            },
-            max_detour_m: if is_law(Measure::Path) {
-                self.max_detour_m(context, shown, strength(Measure::Path))
-            } else {
-                any.max_detour_m
-            },
-            max_lateral_m: way
-                .filter(|_| is_law(Measure::LateralDeviation))
-                .map_or(any.max_lateral_m, |way| {
-                    self.max_lateral_m(way, strength(Measure::LateralDeviation))
-                }),
-            axis: if is_directed(context, shown) && is_law(Measure::Direction) {
-                self.axis(shown, strength(Measure::Direction))
-            } else {
-                any.axis
-            },
-            place_m: if is_at_another(context) && is_law(Measure::Place) {
-                self.place_m(shown, met_within_m, strength(Measure::Place))
-            } else {
-                any.place_m
-            },
+            stroke_m: law(Measure::StrokeLength, iu.kind.is_repeated())
+                .map_or(any.stroke_m, |of| self.stroke_m(iu, of)),
+            path_m: path.map_or(any.path_m, |of| self.path_m(iu, met_within_m, of)),
+            max_detour_m: path.map_or(any.max_detour_m, |of| self.max_detour_m(iu, of)),
+            max_lateral_m: lateral.map_or(any.max_lateral_m, |(way, of)| self.max_lateral_m(way, of)),
+            axis: law(Measure::Direction, is_directed(iu)).map_or(any.axis, |of| self.axis(iu, of)),
+            place_m: law(Measure::Place, iu.context.is_pair())
+                .map_or(any.place_m, |of| self.place_m(iu, met_within_m, of)),
             shown: None,
         };
-        (self.reversals(shown, strength(Measure::Strokes)), bounds)
+        (self.reversals(iu, strength(Measure::Strokes)), bounds)
     }
 
-    /// How long an IU at another part may last, in frames, from its demonstrations and their durations; `None` for other IUs: somebody may be
-    /// quick on the way. It has no maximum where a motion is repeated: strokes are counted, so that their time tells no more than that nobody
+    /// How long an IU at another part may last, in frames; `None` for other IUs: somebody may be quick on the way. It has no maximum where a motion is repeated: strokes are counted, so that their time tells no more than that nobody
     /// makes them so quickly. The maximum leaves no room for a pause.
     pub(super) fn frames(
         &self,
-        context: Context,
-        shown: &[Measures],
-        frames: &[u32],
+        iu: &ShownIu,
         rate_hz: f32,
         strength: Strength,
     ) -> Option<(u32, Option<f64>)> {
-        let is_timed = is_timed(context, shown);
+        let is_timed = iu.kind.is_timed();
         let (prior, rate) =
             if is_timed { (PRIOR_DURATION, self.duration) } else { (IN_GENERAL.sqrt(), self.pace) };
-        if !context.is_touch() || !is_at_another(context) || rate <= 0.0 {
+        if !iu.context.is_pair() || rate <= 0.0 {
             return None;
         }
         let border = border_frames(rate_hz);
-        let durations: Vec<f64> = frames.iter().map(|frames| beyond_border(*frames, border).ln()).collect();
+        let durations: Vec<f64> =
+            iu.frames.iter().map(|frames| beyond_border(*frames, border).ln()).collect();
         // Right work is near the minimum only, because of the pause, so the whole rate is there.
         let (centre, apart) = self.interval(&durations, prior, 2.0 * rate, strength);
         let least = (centre - apart).exp();
@@ -185,16 +162,15 @@ impl Rates {
         Some((min, is_timed.then(|| (centre + apart).exp() + 2.0 * border)))
     }
 
-    fn reversals(&self, shown: &[Measures], strength: Strength) -> Bounds {
-        let likely: Vec<u32> = likely_reversals(shown).collect();
-        match strength {
-            Strength::None => return UNBOUNDED,
-            // Where not all runs go to and fro, it means nothing that one does.
-            _ if !is_repeated(shown) => return UNBOUNDED,
-            // Who makes strokes by feel contradicts a number.
-            Strength::Widened(_) => return self.by_feel(&likely, strength),
-            Strength::General if is_by_feel(shown) => return self.by_feel(&likely, strength),
-            Strength::General => {}
+    fn reversals(&self, iu: &ShownIu, strength: Strength) -> Bounds {
+        let likely: Vec<u32> = likely_reversals(&iu.measured).collect();
+        // Where not all runs go to and fro, it means nothing that one does.
+        if strength == Strength::None || !iu.kind.is_repeated() {
+            return UNBOUNDED;
+        }
+        // Who makes strokes by feel contradicts a number.
+        if strength != Strength::General || iu.kind.is_by_feel() {
+            return self.by_feel(&likely, strength);
         }
         let usual = usual_reversals(&likely);
         let beyond: Vec<f64> = likely.iter().map(|count| beyond(usual, *count)).collect();
@@ -203,8 +179,8 @@ impl Rates {
             interval(&beyond, PRIOR_REVERSALS, self.reversals, People::IN_GENERAL, strength);
         let [less, more] = [(apart - centre).max(0.0) as u32, (apart + centre).max(0.0) as u32];
         // Where the runs show no reversal more or less at the border, others may; and a circle has no ends, so that it may have one at each border.
-        let border = if usual.min == usual.max || is_round(shown) { BORDER_REVERSALS } else { 0 };
-        let less = less.max(border) + self.uncounted(shown);
+        let border = if usual.min == usual.max || is_round(&iu.measured) { BORDER_REVERSALS } else { 0 };
+        let less = less.max(border) + self.uncounted(iu);
         let most = counts(likely.iter().copied()).max;
         Bounds { min: usual.min - less.min(usual.min), max: most.max(usual.max + more.max(border)) }
     }
@@ -223,48 +199,57 @@ impl Rates {
 
     /// How many reversals are not counted of the shortest strokes that may be right, where people differ more than people in general: the first and
     /// the last stroke begin and end in the middle.
-    fn uncounted(&self, shown: &[Measures]) -> u32 {
-        let is_short =
-            self.people.variety > 1.0 && self.stroke_m(shown, Strength::General).min < 2.0 * MOVED_M;
+    fn uncounted(&self, iu: &ShownIu) -> u32 {
+        let is_short = self.people.variety > 1.0 && self.stroke_m(iu, Strength::General).min < 2.0 * MOVED_M;
         if is_short { 2 * BORDER_REVERSALS } else { 0 }
     }
 
-    /// The maximum length of a stroke, in metres, of an IU with these demonstrations; `None` where the motion is not a repeated one.
-    pub(super) fn longest_stroke_m(&self, shown: &[Measures]) -> Option<f32> {
-        (self.stroke > 0.0 && is_repeated(shown)).then(|| self.stroke_m(shown, Strength::General).max)
+    /// The maximum length of a stroke, in metres; `None` where the motion is not a repeated one.
+    pub(super) fn longest_stroke_m(&self, iu: &ShownIu) -> Option<f32> {
+        (self.stroke > 0.0 && iu.kind.is_repeated()).then(|| self.stroke_m(iu, Strength::General).max)
     }
 
-    fn stroke_m(&self, shown: &[Measures], strength: Strength) -> Range {
-        let lengths: Vec<f64> = shown
-            .iter()
-            .filter_map(|measures| measures.stroke_m)
-            .map(|length| f64::from(length).ln())
-            .collect();
-        let rate = if is_by_feel(shown) { self.stroke / 2.0 } else { self.stroke };
+    fn stroke_m(&self, iu: &ShownIu, strength: Strength) -> Range {
+        let lengths = iu.measured.iter().filter_map(|measures| measures.stroke_m);
+        let lengths: Vec<f64> = lengths.map(|length| f64::from(length).ln()).collect();
+        let rate = if iu.kind.is_by_feel() { self.stroke / 2.0 } else { self.stroke };
         let (centre, apart) = self.interval(&lengths, PRIOR_STROKE, rate, strength);
         Range { min: (centre - apart).exp() as f32, max: (centre + apart).exp() as f32 }
     }
 
     /// Two parts that come near each other quickly touch later than two that do so slowly. So it does not matter how little of the way in and out
     /// lies within the contact, unless strokes are made there.
-    fn path_m(&self, context: Context, shown: &[Measures], met_within_m: f32, strength: Strength) -> Range {
-        let lengths: Vec<f64> =
-            shown.iter().map(|measures| (f64::from(measures.path_m) + TOLERATED_PATH_M).ln()).collect();
-        let (centre, apart) =
-            self.interval(&lengths, prior_at(context, shown, PRIOR_PATH), self.path, strength);
-        let length = |logarithm: f64| (logarithm.exp() - TOLERATED_PATH_M) as f32;
-        let in_and_out_m = if is_repeated(shown) { 0.0 } else { 2.0 * met_within_m };
-        let [min, max] = [centre - apart, centre + apart].map(length);
+    fn path_m(&self, iu: &ShownIu, met_within_m: f32, strength: Strength) -> Range {
+        let length = |measures: &Measures| measures.path_m;
+        let [min, max] = self.length_m(iu, &length, (PRIOR_PATH, TOLERATED_PATH_M), self.path, strength);
+        let in_and_out_m = if iu.kind.is_repeated() { 0.0 } else { 2.0 * met_within_m };
         Range { min: (min - in_and_out_m).max(0.0), max }
     }
 
     /// People differ in where a part lies and in how straight they go, and a way can only become longer.
-    fn max_detour_m(&self, context: Context, shown: &[Measures], strength: Strength) -> f32 {
-        let detours: Vec<f64> =
-            shown.iter().map(|measures| (f64::from(measures.detour_m) + TOLERATED_DETOUR_M).ln()).collect();
-        let (centre, apart) =
-            self.interval(&detours, prior_at(context, shown, PRIOR_DETOUR), 2.0 * self.path, strength);
-        ((centre + apart).exp() - TOLERATED_DETOUR_M) as f32
+    fn max_detour_m(&self, iu: &ShownIu, strength: Strength) -> f32 {
+        let detour = |measures: &Measures| measures.detour_m;
+        self.length_m(iu, &detour, (PRIOR_DETOUR, HAND_WIDTH_M), 2.0 * self.path, strength)[1]
+    }
+
+    /// From which length to which one is right, in metres: beside what nobody notices, people differ by a factor. They differ more at another part
+    /// where they count no strokes.
+    fn length_m(
+        &self,
+        iu: &ShownIu,
+        of: &dyn Fn(&Measures) -> f32,
+        (prior, stray_m): (f64, f64),
+        rate: f64,
+        strength: Strength,
+    ) -> [f32; 2] {
+        let prior = match iu.kind {
+            MotionKind::AtAnother(Strokes::None | Strokes::ByFeel) => PRIOR_BY_FEEL,
+            _ => prior,
+        };
+        let logs: Vec<f64> =
+            iu.measured.iter().map(|measures| (f64::from(of(measures)) + stray_m).ln()).collect();
+        let (centre, apart) = self.interval(&logs, prior, rate, strength);
+        [centre - apart, centre + apart].map(|log| (log.exp() - stray_m) as f32)
     }
 
     /// The more a way leads off the straight line, the more people differ in it; and who goes straight does not always do so.
@@ -272,21 +257,21 @@ impl Rates {
         let laterals: Vec<f64> = shown.iter().map(|measures| measures.lateral_m.into()).collect();
         let (centre, apart) = self.interval(
             &laterals,
-            PRIOR_LATERAL * (mean(&laterals) + LATERAL_SCALE_M),
+            PRIOR_LATERAL * (mean(&laterals) + HAND_WIDTH_M),
             2.0 * self.lateral,
             strength,
         );
         (centre + apart) as f32
     }
 
-    fn axis(&self, shown: &[Measures], strength: Strength) -> Around<2> {
-        let axes: Vec<_> = shown.iter().map(|measures| measures.axis).collect();
+    fn axis(&self, iu: &ShownIu, strength: Strength) -> Around<2> {
+        let axes: Vec<_> = iu.measured.iter().map(|measures| measures.axis).collect();
         self.around(&axes, PRIOR_AXIS, self.axis, strength)
     }
 
     /// Where the runs show how near two parts come, a part may lie anywhere within that, as on a shelf.
-    fn place_m(&self, shown: &[Measures], met_within_m: f32, strength: Strength) -> Around<3> {
-        let places: Vec<_> = shown.iter().map(|measures| measures.place_m).collect();
+    fn place_m(&self, iu: &ShownIu, met_within_m: f32, strength: Strength) -> Around<3> {
+        let places: Vec<_> = iu.measured.iter().map(|measures| measures.place_m).collect();
         let around = self.around(&places, PRIOR_PLACE_M, self.place, strength);
         Around { max: around.max.max(met_within_m), ..around }
     }
@@ -314,20 +299,20 @@ impl Rates {
 
 /// What the demonstrations measured, at the end of their way and of their motion as well.
 pub(super) fn what_was_shown(
-    shown: &[Measures],
+    iu: &ShownIu,
     way: &[Measures],
-    frames: &[u32],
     distances: &[f64],
     bounds: &MeasureBounds,
 ) -> ShownValues {
-    let each = |of: &dyn Fn(&Measures) -> f32| of_runs(shown.iter().map(|measures| of(measures).into()));
+    let each =
+        |of: &dyn Fn(&Measures) -> f32| of_runs(iu.measured.iter().map(|measures| of(measures).into()));
     // Where any direction or place is right there is no centre.
     let from = |max: f32, of: &dyn Fn(&Measures) -> f32| if max.is_finite() { each(of) } else { Vec::new() };
     let MeasureBounds { axis, place_m, .. } = bounds;
     ShownValues {
-        frames: of_runs(frames.iter().copied().map(f64::from)),
-        reversals: of_runs(likely_reversals(shown).map(f64::from)),
-        stroke_m: of_runs(shown.iter().filter_map(|measures| measures.stroke_m).map(f64::from)),
+        frames: of_runs(iu.frames.iter().copied().map(f64::from)),
+        reversals: of_runs(likely_reversals(&iu.measured).map(f64::from)),
+        stroke_m: of_runs(iu.measured.iter().filter_map(|measures| measures.stroke_m).map(f64::from)),
         path_m: each(&|measures| measures.path_m),
         detour_m: each(&|measures| measures.detour_m),
         lateral_m: of_runs(way.iter().map(|measures| measures.lateral_m.into())),
@@ -360,15 +345,9 @@ pub(super) fn do_agree(likely: &[u32], (share, of): (usize, usize)) -> bool {
     agreeing * of >= likely.len() * share
 }
 
-/// Whether the demonstrations repeat a motion, and not a certain number of times.
-pub(super) fn is_by_feel(shown: &[Measures]) -> bool {
-    is_repeated(shown) && !do_agree(&likely_reversals(shown).collect::<Vec<_>>(), COUNTED_SHARE)
-}
-
-/// This spread of people in general, or how they differ at another part where they count no strokes.
-fn prior_at(context: Context, shown: &[Measures], prior: f64) -> f64 {
-    let is_counted = is_repeated(shown) && !is_by_feel(shown);
-    if is_at_another(context) && !is_counted { PRIOR_BY_FEEL } else { prior }
+/// The directions of the bench are those of the parts on it only where one part moves along another.
+fn is_directed(iu: &ShownIu) -> bool {
+    iu.context.is_pair() && iu.measured.iter().all(|measures| measures.path_m >= HAND_WIDTH_M as f32)
 }
 
 /// Whether the strokes are circles, or lead up and down, of which the axis does not tell.
@@ -419,6 +398,19 @@ pub(super) fn interval(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use andon_core::couple::Context;
+
+    const POLISHING: Context = Context([1, 5, 5, 6]);
+
+    /// An IU with its demonstrations, and the rates of a job of people that has no other one.
+    fn of_people(people: People, context: Context, shown: &[Measures], frames: &[u32]) -> (Rates, ShownIu) {
+        let iu = ShownIu::measuring(context, shown, frames);
+        (Rates::new(0.03, people, &Agreement::of_iu(&iu)), iu)
+    }
+
+    fn in_general(shown: &[Measures]) -> (Rates, ShownIu) {
+        of_people(People::IN_GENERAL, POLISHING, shown, &[])
+    }
 
     #[test]
     fn a_demonstration_in_which_strokes_were_hidden_does_not_make_fewer_strokes_right() {
@@ -444,10 +436,8 @@ mod tests {
                 .iter()
                 .map(|count| Measures { reversals: *count, axis, ..Measures::default() })
                 .collect();
-            let polishing = Context([1, 5, 5, 6]);
-            let ius = [(polishing, shown.as_slice())];
-            let Bounds { min, max } =
-                Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).reversals(&shown, Strength::General);
+            let (rates, iu) = in_general(&shown);
+            let Bounds { min, max } = rates.reversals(&iu, Strength::General);
             (min, max)
         };
         let bounds = |reversals: &[u32]| bounds_along([-0.9, 0.1], reversals);
@@ -470,13 +460,8 @@ mod tests {
                 reversals,
                 ..Measures::default()
             });
-            let ius = [(Context([1, 5, 5, 6]), shown.as_slice())];
-            let Range { min, max } = Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).path_m(
-                Context([1, 5, 5, 6]),
-                &shown,
-                met_within_m,
-                Strength::General,
-            );
+            let (rates, iu) = in_general(&shown);
+            let Range { min, max } = rates.path_m(&iu, met_within_m, Strength::General);
             [min, max].map(|path_m| (100.0 * path_m).round() as i32)
         };
         let [min, max] = range(0, 0.0);
@@ -490,9 +475,8 @@ mod tests {
     #[test]
     fn strokes_that_are_made_by_feel_may_be_some_more_or_less_and_not_half() {
         let shown = [9, 11, 13, 11, 12].map(|reversals| Measures { reversals, ..Measures::default() });
-        let ius = [(Context([1, 5, 5, 6]), shown.as_slice())];
-        let Bounds { min, max } =
-            Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).reversals(&shown, Strength::General);
+        let (rates, iu) = in_general(&shown);
+        let Bounds { min, max } = rates.reversals(&iu, Strength::General);
         assert!((6..=8).contains(&min) && (18..=35).contains(&max), "{min} {max}");
     }
 
@@ -500,9 +484,11 @@ mod tests {
     fn strokes_may_be_quick_but_not_three_times_as_quick_as_shown() {
         let shown = [Measures { reversals: 13, ..Measures::default() }; 7];
         let frames = [120, 150, 135, 160, 128, 142, 155];
-        let rates = |context| Rates::new(0.03, People::IN_GENERAL, [(context, shown.as_slice())].into_iter());
-        let bounds = |context| rates(context).frames(context, &shown, &frames, 30.0, Strength::General);
-        let (min, max) = bounds(Context([1, 5, 5, 6])).unwrap_or_default();
+        let bounds = |context| {
+            let (rates, iu) = of_people(People::IN_GENERAL, context, &shown, &frames);
+            rates.frames(&iu, 30.0, Strength::General)
+        };
+        let (min, max) = bounds(POLISHING).unwrap_or_default();
         assert!((140 / 3 + 10..140 * 2 / 3).contains(&min), "{min}");
         assert_eq!(max, None, "strokes are counted");
         // The way may be as quick as it likes.
@@ -513,9 +499,9 @@ mod tests {
     fn a_time_at_another_part_is_right_as_people_pause_and_not_without_a_pause() {
         let shown = [Measures::default(); 7];
         let at_meter = Context([1, 6, 6, 3]);
-        let rates = Rates::new(0.03, People::IN_GENERAL, [(at_meter, shown.as_slice())].into_iter());
         let bounds = |frames: [u32; 7]| {
-            rates.frames(at_meter, &shown, &frames, 30.0, Strength::General).unwrap_or_default()
+            let (rates, iu) = of_people(People::IN_GENERAL, at_meter, &shown, &frames);
+            rates.frames(&iu, 30.0, Strength::General).unwrap_or_default()
         };
         // A second, less or more. On its way in and out the part is at the meter for a third of a second.
         let (min, max) = bounds([28, 34, 31, 47, 25, 36, 40]);
@@ -532,8 +518,8 @@ mod tests {
         let frames = [28, 34, 31, 47, 25, 36, 40];
         let min = |variety| {
             let people = People { one_person: 0.0, variety, freedom: f64::INFINITY };
-            let rates = Rates::new(0.03, people, [(at_meter, shown.as_slice())].into_iter());
-            rates.frames(at_meter, &shown, &frames, 30.0, Strength::General).map(|(min, _)| min)
+            let (rates, iu) = of_people(people, at_meter, &shown, &frames);
+            rates.frames(&iu, 30.0, Strength::General).map(|(min, _)| min)
         };
         // On its way in and out the part is at the meter for 6 frames, and for 2 if people differ three times as much.
         assert!(min(1.0).is_some_and(|min| min > 14) && min(3.0).is_some_and(|min| (2..6).contains(&min)));
@@ -549,8 +535,8 @@ mod tests {
                 ..Measures::default()
             });
             let people = People { variety, ..People::IN_GENERAL };
-            let ius = [(Context([1, 5, 5, 6]), shown.as_slice())];
-            Rates::new(0.03, people, ius.into_iter()).reversals(&shown, Strength::General).min
+            let (rates, iu) = of_people(people, POLISHING, &shown, &[]);
+            rates.reversals(&iu, Strength::General).min
         };
         assert_eq!([min(0.07, 1.0), min(0.07, 3.0), min(0.04, 1.0), min(0.2, 3.0)], [12, 10, 12, 12]);
     }

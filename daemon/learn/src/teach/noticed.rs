@@ -1,82 +1,66 @@
 //! The smallest deviation of each kind that the bounds of a job notice, and what more runs would change in it.
 
-use super::iu_report::IuReport;
 use super::measures::narrower_with_more;
+use super::report::IuReport;
 use crate::distribution::{Right, range_of};
+use crate::job_file::TaughtIu;
 use andon_core::verdict::Measure;
 use std::fmt;
 
 /// How many more runs are offered as a measure of what they bring.
 const MORE_RUNS: usize = 5;
 
-/// In a metre.
 const CENTIMETRES: f32 = 100.0;
 
 /// By how much less and by how much more than what was shown is noticed; `None` where nothing is.
 type LessAndMore = [Option<f32>; 2];
 
-/// What would be noticed of each IU. `Display` prints it as a table.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Noticed<'a> {
-    pub(super) ius: &'a [IuReport],
-    pub(super) rate_hz: f32,
-}
-
-impl fmt::Display for Noticed<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "what would be noticed: the smallest difference from what was shown, less and more")?;
-        writeln!(
-            f,
-            "step  IU  strokes       seconds        path cm      lateral cm  stroke cm      place cm  degrees"
-        )?;
-        self.ius.iter().try_for_each(|iu| self.line(iu, f))
-    }
-}
-
-impl Noticed<'_> {
-    fn line(&self, iu: &IuReport, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(cells) = self.cells(iu) else { return Ok(()) };
+/// Prints what would be noticed of each IU as a table.
+pub(super) fn write(ius: &[IuReport], rate_hz: f32, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    writeln!(f, "what would be noticed: the smallest difference from what was shown, less and more")?;
+    writeln!(
+        f,
+        "step  IU  strokes       seconds        path cm      lateral cm  stroke cm      place cm  degrees"
+    )?;
+    for iu in ius {
+        let Some(cells) = cells(&iu.taught, rate_hz) else { continue };
         let [strokes, seconds, path, lateral, stroke, place, degrees] = cells;
         writeln!(
             f,
             "{:>4}  {:>2}  {strokes:<12}  {seconds:<13}  {path:<11}  {lateral:<10}  {stroke:<13}  {place:<8}  {degrees}",
             iu.activity + 1,
             iu.iu + 1,
-        )
+        )?;
     }
+    Ok(())
+}
 
-    /// What would be noticed of an IU: strokes, seconds, the length of the path and how far off the
-    /// straight line it leads, the length of strokes, place and axis. `None` where nothing was
-    /// measured.
-    pub(super) fn cells(&self, iu: &IuReport) -> Option<[String; 7]> {
-        let shown = iu.measures.shown?;
-        let right = self.right(iu);
-        let differs = |measure, per: f32, step: f32| {
-            let [least, most] = range_of(measure, shown, self.rate_hz);
-            let [min, max] = right.of_measure(measure);
-            let differences = [min.map(|min| least - min), max.map(|max| max - most)];
-            differences.map(|difference| difference.map(|value| per * (value + step).max(0.0)))
-        };
-        let most = |measure, per: f32| right.of_measure(measure)[1].map(|most| per * most);
-        // The first count that is not right is noticed.
-        let (stroke, frame) = (0.5, 1.0 / self.rate_hz);
-        let [path_less, path_more] = differs(Measure::Path, CENTIMETRES, 0.0);
-        let detour = right.max_detour(Some(Measure::Path)).map(|max| CENTIMETRES * (max - shown.detour_m));
-        Some([
-            both(differs(Measure::Strokes, 1.0, stroke), 1),
-            both(differs(Measure::Duration, 1.0, frame), 1),
-            both([path_less, detour.or(path_more)], 0),
-            both(differs(Measure::LateralDeviation, CENTIMETRES, 0.0), 0),
-            both(differs(Measure::StrokeLength, CENTIMETRES, 0.0), 1),
-            one(most(Measure::Place, CENTIMETRES), 1),
-            one(most(Measure::Direction, 1.0), 0),
-        ])
-    }
-
-    /// What is right of an IU.
-    pub(super) fn right<'a>(&self, iu: &'a IuReport) -> Right<'a> {
-        Right { frames: iu.frames, reversals: iu.reversals, measures: &iu.measures, rate_hz: self.rate_hz }
-    }
+/// What would be noticed of an IU: strokes, seconds, the length of the path and how far off the
+/// straight line it leads, the length of strokes, place and axis. `None` where nothing was
+/// measured.
+pub(super) fn cells(iu: &TaughtIu, rate_hz: f32) -> Option<[String; 7]> {
+    let shown = iu.measures.shown?;
+    let right = Right::of(iu, rate_hz);
+    let differs = |measure, per: f32, step: f32| {
+        let [least, most] = range_of(measure, shown, rate_hz);
+        let [min, max] = right.of_measure(measure);
+        let differences = [min.map(|min| least - min), max.map(|max| max - most)];
+        differences.map(|difference| difference.map(|value| per * (value + step).max(0.0)))
+    };
+    let most = |measure, per: f32| right.of_measure(measure)[1].map(|most| per * most);
+    // The first count that is not right is noticed.
+    let (stroke, frame) = (0.5, 1.0 / rate_hz);
+    let [path_less, path_more] = differs(Measure::Path, CENTIMETRES, 0.0);
+    let detour = right.max_detour(Some(Measure::Path)).map(|max| CENTIMETRES * (max - shown.detour_m));
+    Some([
+        both(differs(Measure::Strokes, 1.0, stroke), 1),
+        both(differs(Measure::Duration, 1.0, frame), 1),
+        both([path_less, detour.or(path_more)], 0),
+        both(differs(Measure::LateralDeviation, CENTIMETRES, 0.0), 0),
+        both(differs(Measure::StrokeLength, CENTIMETRES, 0.0), 1),
+        one(most(Measure::Place, CENTIMETRES), 1),
+        one(most(Measure::Direction, 1.0), 0),
+    ])
 }
 
 /// What a number of runs, all of one kind, could gain by more of them.
@@ -120,20 +104,17 @@ mod tests {
         };
         let path_m = Range { min: 0.25, max: f32::INFINITY };
         let measures = MeasureBounds { path_m, max_detour_m: 0.5, shown: Some(shown), ..MeasureBounds::ANY };
-        let iu = IuReport {
-            activity: 0,
-            iu: 1,
+        let iu = TaughtIu {
             context: Context([1, 5, 5, 6]),
-            demonstrations: 5,
-            mean_distance: 0.0,
-            distance_deviation: 0.0,
             threshold: 0.0,
             frames: Bounds { min: 0, max: 90 },
             reversals: Bounds { min: 11, max: 14 },
-            is_by_feel: false,
             measures,
+            shown: None,
+            reference: Vec::new(),
+            demonstrations: 5,
         };
-        let cells = Noticed { ius: &[], rate_hz: 30.0 }.cells(&iu);
+        let cells = cells(&iu, 30.0);
         let expected = ["-1.0 +1.0", "+1.0", "-25 +40", "any", "any", "any", "any"];
         assert_eq!(cells, Some(expected.map(str::to_owned)));
     }

@@ -1,6 +1,6 @@
 //! How to teach, and why nothing was taught.
 
-use crate::job_file::JobFile;
+use crate::job_file::{JobFile, Provenance};
 use crate::rule::{BoundsRule, ThresholdRule};
 use crate::strictness::Strictness;
 use andon_core::capacity::IU_FRAMES;
@@ -75,6 +75,33 @@ impl TeachOptions {
         }
     }
 
+    /// A job without anything that is taught.
+    pub(super) fn job(&self) -> JobFile {
+        JobFile {
+            id: self.id,
+            name: self.name.clone(),
+            passive_contacts: Vec::new(),
+            steps: Vec::new(),
+            cost: self.cost,
+            max_slowdown: self.max_slowdown,
+            has_free_ends: self.has_free_ends,
+            min_rate_hz: 0.0,
+            method: self.method,
+            objects: Vec::new(),
+            activities: Vec::new(),
+            provenance: Provenance {
+                program: self.program.clone(),
+                date: self.date.clone(),
+                rule: self.rule,
+                bounds: self.bounds,
+                strictness: Some(self.strictness),
+                order: self.order_matters,
+                sources: Vec::new(),
+            },
+            step_names: Vec::new(),
+        }
+    }
+
     /// The options that a job was taught with, to teach it again with more or fewer runs on this date.
     pub fn of_job(job: &JobFile, date: &str) -> Self {
         let from = &job.provenance;
@@ -128,7 +155,7 @@ fn at_least(min: f64, name: &'static str, value: f64) -> Result<(), TeachError> 
 }
 
 fn option(is_kept: bool, name: &'static str, value: f64, range: &'static str) -> Result<(), TeachError> {
-    if is_kept { Ok(()) } else { Err(TeachError::Option { name, value, range }) }
+    if is_kept { Ok(()) } else { Err(TeachError::Option(name, value, range)) }
 }
 
 /// Why nothing was taught.
@@ -155,27 +182,15 @@ pub enum TeachError {
         /// Where each run differs, in words.
         differences: Vec<String>,
     },
-    /// No run shows an IU well enough.
+    /// No run shows an IU well enough: the index of its activity in the job and its own in that, from 1, and its context in words.
     #[error(
-        "step {activity}, IU {iu} ({what}) was not seen well enough in any run: see that hand and parts stay in view, with at least half \
+        "step {0}, IU {1} ({2}) was not seen well enough in any run: see that hand and parts stay in view, with at least half \
          of the frames"
     )]
-    NeverSeen {
-        /// Index of the activity in the job, from 1.
-        activity: usize,
-        /// Index of the IU in the activity, from 1.
-        iu: usize,
-        /// Its context in words.
-        what: String,
-    },
-    /// Something speaks against the runs, and nothing could be learned from them.
-    #[error("{}; {nothing}", doubts.join("; "))]
-    Doubtful {
-        /// What speaks against them, each with what to do.
-        doubts: Vec<String>,
-        /// Why nothing was learned.
-        nothing: Box<TeachError>,
-    },
+    NeverSeen(usize, usize, String),
+    /// Something speaks against the runs, each with what to do, and why nothing could be learned from them.
+    #[error("{doubts}; {1}", doubts = .0.join("; "))]
+    Doubtful(Vec<String>, Box<TeachError>),
     /// The job exceeds a capacity of the method.
     #[error("the job needs {needed} {what}; at most {max} can be judged: split the job")]
     Full {
@@ -186,28 +201,12 @@ pub enum TeachError {
         /// How many there may be.
         max: usize,
     },
-    /// An IU cannot be compared.
-    #[error("run {run}, step {activity}, IU {iu}: {refused}; at most {IU_FRAMES} frames can be compared")]
-    Iu {
-        /// The run's name.
-        run: String,
-        /// Index of the activity in the run, from 1.
-        activity: usize,
-        /// Index of the IU in the activity, from 1.
-        iu: usize,
-        /// Why it cannot be compared.
-        refused: Refused,
-    },
-    /// An option is out of its range.
-    #[error("{name} is {value}; it must be {range}")]
-    Option {
-        /// The option's name.
-        name: &'static str,
-        /// The option's value.
-        value: f64,
-        /// The values that it may have.
-        range: &'static str,
-    },
+    /// An IU of a run cannot be compared: the index of its activity in the run and its own in that, from 1, and why.
+    #[error("run {0}, step {1}, IU {2}: {3}; at most {IU_FRAMES} frames can be compared")]
+    Iu(String, usize, usize, Refused),
+    /// The option with this name has this value, and must be in this range.
+    #[error("{0} is {1}; it must be {2}")]
+    Option(&'static str, f64, &'static str),
 }
 
 impl TeachError {
@@ -215,10 +214,7 @@ impl TeachError {
     pub fn is_of_runs(&self) -> bool {
         matches!(
             self,
-            Self::NothingInCommon(_)
-                | Self::NoneAgrees { .. }
-                | Self::NeverSeen { .. }
-                | Self::Doubtful { .. }
+            Self::NothingInCommon(_) | Self::NoneAgrees { .. } | Self::NeverSeen(..) | Self::Doubtful(..)
         )
     }
 }

@@ -6,18 +6,16 @@ use std::collections::BTreeSet;
 use std::fmt;
 
 /// The steps of a job, their laws and what is only usual. `Display` prints them for people, who count from 1.
-#[derive(Clone, Debug, PartialEq)]
-pub struct OrderReport {
-    /// The name of each step, and the sentences about it.
-    pub steps: Vec<(String, Vec<String>)>,
+pub(super) struct OrderReport<'a> {
+    pub(super) job: &'a JobFile,
     /// How many runs it depends on.
-    pub runs: usize,
+    pub(super) runs: usize,
 }
 
-impl OrderReport {
-    pub(super) fn new(job: &JobFile, runs: usize) -> Self {
-        let steps = (0..job.steps.len()).map(|number| (job.step_name(number), sentences(job, number)));
-        Self { steps: steps.collect(), runs }
+impl OrderReport<'_> {
+    /// The name of each step, and the sentences about it.
+    pub(super) fn steps(&self) -> impl Iterator<Item = (String, Vec<String>)> {
+        (0..self.job.steps.len()).map(|number| (self.job.step_name(number), sentences(self.job, number)))
     }
 }
 
@@ -57,7 +55,6 @@ fn sentences(job: &JobFile, number: usize) -> Vec<String> {
     sentences
 }
 
-/// Whether a relation follows from two others.
 fn is_implied(job: &JobFile, number: usize, relation: &Relation) -> bool {
     let has = |later: usize, earlier: u16| {
         job.steps[later].after.iter().any(|other| other.activity == earlier && other.kind == relation.kind)
@@ -66,14 +63,14 @@ fn is_implied(job: &JobFile, number: usize, relation: &Relation) -> bool {
     between.into_iter().any(|other| has(number, other as u16) && has(other, relation.activity))
 }
 
-impl fmt::Display for OrderReport {
+impl fmt::Display for OrderReport<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (number, (name, sentences)) in (1..).zip(&self.steps) {
+        for (number, (name, sentences)) in (1..).zip(self.steps()) {
             writeln!(f, "step {number}: {name}")?;
             sentences.iter().try_for_each(|sentence| writeln!(f, "    {sentence}"))?;
         }
         match self.runs {
-            _ if self.steps.len() < 2 => Ok(()),
+            _ if self.job.steps.len() < 2 => Ok(()),
             1 => writeln!(f, "one run shows no order: any order of the steps is accepted"),
             runs => writeln!(
                 f,

@@ -1,14 +1,15 @@
 //! The report as a page.
 
-use super::iu_report::IuReport;
-use super::report::{TeachReport, range};
+use super::noticed::cells;
+use super::report::{IuReport, TeachReport, range};
 use super::statement::Statement;
 use crate::distribution::STRIP;
 use crate::html::{document, escaped};
 use crate::job_file::JobFile;
 
 /// The report of a job as one self-contained HTML page. `picture` is the drawing of its steps and their order, as SVG.
-pub fn page(job: &JobFile, report: &TeachReport, picture: &str) -> String {
+pub fn page(report: &TeachReport, picture: &str) -> String {
+    let job = &report.job;
     let title = format!("Job {} “{}”", job.id, job.name);
     let mut body = format!("<h1>{}</h1>", escaped(&title));
     body += &summary(report);
@@ -18,13 +19,13 @@ pub fn page(job: &JobFile, report: &TeachReport, picture: &str) -> String {
         "How to read it: each step is below those that come before it, in the column of the hand that does it. What all runs show is law where \
          the evidence is enough; otherwise another order is only noted.",
     );
-    body += &list("ol", report.order.steps.iter().map(|(name, sentences)| step(name, sentences)));
+    body += &list("ol", report.order().steps().map(|(name, sentences)| step(&name, &sentences)));
     body += &list("ul", report.findings().iter().map(Statement::html));
     body += "<h2>What was learned of each IU</h2>";
-    body += &learned(job, report);
+    body += &learned(report);
     if report.has_measures() {
         body += "<h2>What would be noticed</h2>";
-        body += &noticed(job, report);
+        body += &noticed(report);
     }
     body += "<h2>The recordings</h2>";
     body += &recordings(job);
@@ -46,15 +47,24 @@ fn step(name: &str, sentences: &[String]) -> String {
     format!("{}{sentences}", escaped(name))
 }
 
-fn learned(job: &JobFile, report: &TeachReport) -> String {
+fn learned(report: &TeachReport) -> String {
     let cells = |iu: &IuReport| {
-        let [name, number] = place(job, iu);
-        let context = escaped(&report.words(iu.context));
-        let seconds = range(iu.frames, |frames| report.seconds(frames)).replace(' ', "\u{a0}");
-        let reversals = range(iu.reversals, |count| count.to_string());
-        let distance = format!("{:.2}\u{a0}±\u{a0}{:.2}", iu.mean_distance, iu.distance_deviation);
+        let [name, number] = place(&report.job, iu);
+        let context = escaped(&report.words(iu.taught.context));
+        let seconds = range(iu.taught.frames, |frames| report.seconds(frames)).replace(' ', "\u{a0}");
+        let reversals = range(iu.taught.reversals, |count| count.to_string());
+        let distance = format!("{:.2}\u{a0}±\u{a0}{:.2}", iu.distance[0], iu.distance[1]);
         let threshold = iu.threshold_words();
-        vec![name, number, context, iu.demonstrations.to_string(), seconds, reversals, distance, threshold]
+        vec![
+            name,
+            number,
+            context,
+            iu.taught.demonstrations.to_string(),
+            seconds,
+            reversals,
+            distance,
+            threshold,
+        ]
     };
     let head = ["step", "IU", "what touches what", "shown", "seconds", "reversals", "distance", "threshold"];
     table(
@@ -67,11 +77,10 @@ fn learned(job: &JobFile, report: &TeachReport) -> String {
     )
 }
 
-fn noticed(job: &JobFile, report: &TeachReport) -> String {
-    let noticed = report.noticed();
+fn noticed(report: &TeachReport) -> String {
     let rows = report.ius.iter().filter_map(|iu| {
-        let [name, number] = place(job, iu);
-        Some([name, number].into_iter().chain(noticed.cells(iu)?).collect())
+        let name = place(&report.job, iu);
+        Some(name.into_iter().chain(cells(&iu.taught, report.rate_hz())?).collect())
     });
     let head =
         ["step", "IU", "strokes", "seconds", "path cm", "lateral cm", "stroke cm", "place cm", "degrees"];
@@ -99,7 +108,6 @@ fn recordings(job: &JobFile) -> String {
     )
 }
 
-/// The name of the step that an IU belongs to, and its number in it.
 fn place(job: &JobFile, iu: &IuReport) -> [String; 2] {
     let step = format!("{}. {}", iu.activity + 1, job.step_name(usize::from(iu.activity)));
     [escaped(&step), (iu.iu + 1).to_string()]

@@ -6,30 +6,22 @@
 //! does not count is told by where in the sequence of its run it begins and ends. So a contact that all runs share is cheaper as a part of the
 //! job, and one that is now here and now there is cheaper as chance.
 
-use super::TeachError;
 use super::leave_one_out::MIN_RUNS;
-use super::sequence;
+use super::{TeachError, encoded_with, sequence};
 use crate::recording::NamedObject;
 use crate::run::Run;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The ids of two objects, the lower one first.
-pub(super) type Pair = [u16; 2];
+type Pair = [u16; 2];
 
-/// Encodes the runs with these objects.
-type Encode<'a> = &'a dyn Fn(&[NamedObject]) -> Result<Vec<Run>, TeachError>;
-
-/// Finds the pairs that do not count, and sets them in the objects. `encode` encodes the runs with such objects.
+/// Finds the pairs that do not count, and encodes the runs without them.
 ///
 /// # Errors
 /// If the runs cannot be encoded.
-pub(super) fn choose(
-    mut objects: Vec<NamedObject>,
-    encode: Encode<'_>,
-) -> Result<(Vec<NamedObject>, Vec<Run>), TeachError> {
-    let mut runs = encode(&objects)?;
+pub(super) fn choose(mut runs: Vec<Run>) -> Result<Vec<Run>, TeachError> {
     if runs.len() < MIN_RUNS {
-        return Ok((objects, runs));
+        return Ok(runs);
     }
     let contacts = contacts(&runs);
     let mut best = description_bits(&runs, &contacts, &BTreeSet::new());
@@ -37,25 +29,22 @@ pub(super) fn choose(
     loop {
         let mut better: Vec<Tried> = Vec::new();
         for pair in contacts.keys().filter(|pair| !incidental.contains(*pair)) {
-            let without = without(&objects, *pair);
-            let encoded = encode(&without)?;
+            let encoded = encoded_with(&without(&runs[0].objects, *pair), &runs)?;
             let tried: BTreeSet<Pair> = incidental.iter().copied().chain([*pair]).collect();
             let bits = description_bits(&encoded, &contacts, &tried);
             if bits < best {
-                better.push(Tried { bits, pair: *pair, objects: without, runs: encoded });
+                better.push(Tried { bits, pair: *pair, runs: encoded });
             }
         }
-        let Some(chosen) = shortest(better) else { return Ok((objects, runs)) };
-        (best, objects, runs) = (chosen.bits, chosen.objects, chosen.runs);
+        let Some(chosen) = shortest(better) else { return Ok(runs) };
+        (best, runs) = (chosen.bits, chosen.runs);
         incidental.insert(chosen.pair);
     }
 }
 
-/// A description without one pair more.
 struct Tried {
     bits: f64,
     pair: Pair,
-    objects: Vec<NamedObject>,
     runs: Vec<Run>,
 }
 

@@ -8,14 +8,11 @@
 //! from, so the spread is underestimated. With people who differ two and three times as much as usual 3 of 812 and 3 of 616 right jobs are
 //! accused.
 
-use super::kind::{is_repeated, is_timed};
-use super::measures_of;
+use super::kind::MotionKind;
 use super::sequence::Agreement;
 use crate::recording::person_of;
 use crate::run::{Iu, Run};
 use crate::statistics::{chi_squared, mean};
-use andon_core::couple::Context;
-use andon_core::segment::Measures;
 
 /// How people differ, and how one person does from run to run: the standard deviation of the logarithm of the pace and of the length of
 /// strokes.
@@ -66,10 +63,10 @@ impl People {
         let border = border_frames(rate_hz);
         let time = |iu: &Iu| Some(beyond_border(iu.worked_frames(), border));
         let deviations = [
-            deviations(runs, agreement, in_general, &|context, shown| !is_timed(context, shown), &pace),
+            deviations(runs, agreement, in_general, &|kind| !kind.is_timed(), &pace),
             // Where the hand goes back once by chance, how far tells nothing of a person.
-            deviations(runs, agreement, in_general, &|_, shown| is_repeated(shown), &stroke),
-            deviations(runs, agreement, PRIOR_DURATION, &is_timed, &time),
+            deviations(runs, agreement, in_general, &MotionKind::is_repeated, &stroke),
+            deviations(runs, agreement, PRIOR_DURATION, &MotionKind::is_timed, &time),
         ];
         let people: Option<Vec<u32>> =
             agreement.used_runs(runs).iter().map(|run| person_of(&run.name)).collect();
@@ -87,7 +84,6 @@ pub(super) fn beyond_border(frames: u32, border: f64) -> f64 {
     (f64::from(frames) - border).max(1.0)
 }
 
-/// How many frames the way in and out of a contact takes.
 pub(super) fn border_frames(rate_hz: f32) -> f64 {
     BORDER_S * f64::from(rate_hz)
 }
@@ -112,29 +108,21 @@ fn evidence_of_one(deviations: &[f64]) -> f64 {
 }
 
 /// By how much each run exceeds the others in something, as the mean over the IUs in which it was measured, in its logarithm and as a multiple of
-/// the standard deviation of people in general. `tells` is whether that tells anything of people, from the demonstrations of an IU.
+/// the standard deviation of people in general. `tells` is whether that tells anything of people where this is done.
 fn deviations(
     runs: &[Run],
     agreement: &Agreement,
     in_general: f64,
-    tells: &dyn Fn(Context, &[Measures]) -> bool,
+    tells: &dyn Fn(MotionKind) -> bool,
     measured: &dyn Fn(&Iu) -> Option<f64>,
 ) -> Vec<f64> {
     let mut of_run: Vec<Vec<f64>> = vec![Vec::new(); runs.len()];
-    for sequence in &agreement.sequences {
-        for (index, context) in sequence.contexts.iter().enumerate().filter(|(_, context)| context.is_touch())
-        {
-            if !tells(*context, &measures_of(runs, sequence, index)) {
-                continue;
-            }
-            let values: Vec<(usize, f64)> = sequence
-                .well_shown(runs, index)
-                .filter_map(|(run, iu)| Some((run, measured(iu)?.ln())))
-                .collect();
-            let centre = mean(&values.iter().map(|(_, value)| *value).collect::<Vec<_>>());
-            for (run, value) in values {
-                of_run[run].push((value - centre) / in_general);
-            }
+    for iu in agreement.ius().filter(|iu| iu.context.is_touch() && tells(iu.kind)) {
+        let values: Vec<(usize, f64)> =
+            iu.ius(runs).filter_map(|(run, iu)| Some((run, measured(iu)?.ln()))).collect();
+        let centre = mean(&values.iter().map(|(_, value)| *value).collect::<Vec<_>>());
+        for (run, value) in values {
+            of_run[run].push((value - centre) / in_general);
         }
     }
     of_run.iter().filter(|values| !values.is_empty()).map(|values| mean(values)).collect()

@@ -1,10 +1,11 @@
 //! How far apart two objects may go before their contact has ended, where people differ more than they do in general: who makes strokes as long
 //! as may be right does not leave the other part.
 
+use super::measures::Rates;
 use super::people::People;
-use super::sequence::{Agreement, Sequence, agree};
+use super::sequence::{Agreement, ShownIu, agree};
 use super::strength::Strengths;
-use super::{TeachError, TeachOptions, encoded_with, measures_of, rates};
+use super::{TeachError, TeachOptions, encoded_with};
 use crate::recording::NamedObject;
 use crate::run::{Iu, Run};
 use andon_core::config::Contact;
@@ -14,68 +15,54 @@ use andon_core::object::Meeting;
 /// The shares of the missing reach that are tried, one after the other.
 const TRIED_SHARES: [f32; 3] = [1.0, 0.5, 0.25];
 
-/// The runs, with contacts that last for strokes of any right length where their people differ more than they do in general, and what they have
-/// in common.
+/// The runs, with contacts that last for strokes of any right length where their people differ more than they do in general, and what they then
+/// have in common; `None` where nothing is widened.
 ///
 /// # Errors
 /// If the objects cannot be used.
-pub(super) fn widened(runs: Vec<Run>, options: &TeachOptions) -> Result<(Vec<Run>, Agreement), TeachError> {
-    let agreement = agree(&runs, &Strengths::default());
-    let people = People::of(&runs, &agreement, options.method.rate_hz);
-    if people.variety > 1.0 {
-        let reaches = reaches(&runs, &agreement, options, people);
-        for share in TRIED_SHARES {
-            let mut objects = runs[0].objects.clone();
-            for (context, reach_m) in &reaches {
-                widen(&mut objects, *context, *reach_m, share, options.method.object_contact);
-            }
-            if objects == runs[0].objects {
-                break;
-            }
-            let widened = encoded_with(&objects, &runs)?;
-            let agreed = agree(&widened, &Strengths::default());
-            // Where parts lie near each other, they would seem to touch for longer.
-            if steps(&agreed).eq(steps(&agreement)) {
-                return Ok((widened, agreed));
-            }
+pub(super) fn widened(
+    runs: &[Run],
+    agreement: &Agreement,
+    options: &TeachOptions,
+) -> Result<Option<(Vec<Run>, Agreement)>, TeachError> {
+    let people = People::of(runs, agreement, options.method.rate_hz);
+    if people.variety <= 1.0 {
+        return Ok(None);
+    }
+    let rates = Rates::new(options.bounds.false_alarms, people, agreement);
+    let reaches: Vec<(Context, f32)> =
+        agreement.ius().filter_map(|iu| Some((iu.context, reach_m(runs, iu, &rates)?))).collect();
+    for share in TRIED_SHARES {
+        let mut objects = runs[0].objects.clone();
+        for (context, reach_m) in &reaches {
+            widen(&mut objects, *context, *reach_m, share, options.method.object_contact);
+        }
+        if objects == runs[0].objects {
+            break;
+        }
+        let widened = encoded_with(&objects, runs)?;
+        let agreed = agree(&widened, &Strengths::default());
+        // Where parts lie near each other, they would seem to touch for longer.
+        if steps(&agreed).eq(steps(agreement)) {
+            return Ok(Some((widened, agreed)));
         }
     }
-    Ok((runs, agreement))
+    Ok(None)
 }
 
-/// The activity and the contexts of each step.
 fn steps(agreement: &Agreement) -> impl Iterator<Item = (u16, &[Context])> {
     agreement.sequences.iter().map(|step| (step.activity, step.contexts.as_slice()))
 }
 
-/// How far apart the two parts of each IU may go in strokes of any right length, in metres.
-fn reaches(
-    runs: &[Run],
-    agreement: &Agreement,
-    options: &TeachOptions,
-    people: People,
-) -> Vec<(Context, f32)> {
-    let rates = rates(runs, agreement, options.bounds.false_alarms, people);
-    let mut reaches = Vec::new();
-    for sequence in &agreement.sequences {
-        for (index, context) in sequence.contexts.iter().enumerate() {
-            let longest_m = rates.longest_stroke_m(&measures_of(runs, sequence, index));
-            let reach_m = longest_m.and_then(|longest_m| reach_m(runs, sequence, index, longest_m));
-            reaches.extend(reach_m.map(|reach_m| (*context, reach_m)));
-        }
-    }
-    reaches
-}
-
-/// How far the two parts of an IU are apart at most in strokes of this length, as far as the demonstrations tell: at either end of a stroke
+/// How far apart the two parts of an IU may go in strokes of any right length, as far as the demonstrations tell: at either end of a stroke
 /// that is longer by some way, they are farther apart by no more than half of that. What is twice as long as any that was shown is not the same
 /// motion. In metres.
-fn reach_m(runs: &[Run], sequence: &Sequence, index: usize, longest_m: f32) -> Option<f32> {
-    let shown_m = sequence.well_shown(runs, index).filter_map(|(_, iu)| iu.measures.stroke_m);
-    let longest_m = longest_m.min(2.0 * shown_m.reduce(f32::max)?);
+fn reach_m(runs: &[Run], iu: &ShownIu, rates: &Rates) -> Option<f32> {
+    let shown_m = iu.measured.iter().filter_map(|measures| measures.stroke_m);
+    let longest_m = rates.longest_stroke_m(iu)?.min(2.0 * shown_m.reduce(f32::max)?);
     let of_one =
         |(run, iu): (usize, &Iu)| Some(runs[run].reach_m(iu) + (longest_m - iu.measures.stroke_m?) / 2.0);
-    sequence.well_shown(runs, index).filter_map(of_one).reduce(f32::min)
+    iu.ius(runs).filter_map(of_one).reduce(f32::min)
 }
 
 /// Lets the contact of the two parts end no nearer than this, in metres.

@@ -1,7 +1,7 @@
 //! The order of a job as a partial one: what stands before what in all runs, and whether that is enough evidence for a law.
 //!
 //! Every run that was shown is right. A before B is law where all runs that have both agree, and the gap between them is safely large: its
-//! mean over the runs is at least [`bound`] on the clock with the least spread for its size. Those clocks are the sequence of the one hand that
+//! mean over the runs is large enough ([`margin`]) on the clock with the least spread for its size. Those clocks are the sequence of the one hand that
 //! does both, the sequence of the job for what one hand does too, and time. Between two hands only time counts, and hands that begin within a
 //! few seconds of each other show nothing: a person does not mind which is first. What all runs agree on without that evidence is a usage:
 //! another order is a note.
@@ -10,7 +10,6 @@
 
 use super::options::TeachOptions;
 use super::sequence::{Agreement, Sequence};
-use super::step_keys;
 use super::strength::{Rule, Strengths};
 use crate::job_file::{Relation, RelationKind, TaughtStep};
 use crate::run::{Activity, Run};
@@ -18,21 +17,19 @@ use crate::statistics::{deviation, mean};
 use andon_core::couple::Context;
 use std::collections::BTreeSet;
 
-/// The smallest deviation of a gap that is believed, in seconds or places of a sequence: a few runs may agree by chance.
+/// The smallest deviation of a gap that is believed, in seconds or places of a sequence: a few runs may agree by chance. With it, the same order in
+/// two runs is a law of one hand from the middle strictness on, and not below.
 const MIN_DEVIATION: f64 = 0.02;
 
-/// Two hands that come within this many seconds of each other, beyond the bound, show no order.
+/// Two hands that come within this many seconds of each other, beyond the bound, show no order. Halved and doubled, 2 and 7 of 31 jobs have other
+/// laws, and no verdict on 198 jobs of others changes.
 const BETWEEN_HANDS_S: f64 = 3.0;
-
-/// But a hand that takes up what the other one has put down waits for it: this many seconds beyond the bound are enough.
-const AFTER_END_S: f64 = 0.1;
 
 /// The probability that two unrelated steps come in the same order in all of this number of runs.
 pub(super) fn chance_of_one_order(runs: usize) -> f64 {
     0.5_f64.powi(runs as i32 - 1)
 }
 
-/// What one step of one run was.
 struct Occurrence<'a> {
     activity: &'a Activity,
     began_s: f64,
@@ -64,7 +61,7 @@ pub(super) fn steps(
     options: &TeachOptions,
     strengths: &Strengths,
 ) -> Vec<TaughtStep> {
-    let keys = step_keys(agreement);
+    let keys = &agreement.keys;
     let all: Vec<Vec<Option<Occurrence<'_>>>> = agreement
         .steps
         .iter()
@@ -167,7 +164,8 @@ fn relation(
 }
 
 fn between_hands(begins: &[f64], ends: &[f64], is_shared: bool, quantile: f64) -> Option<RelationKind> {
-    let after_end_s = if is_shared { AFTER_END_S } else { BETWEEN_HANDS_S };
+    // A hand that takes up what the other one has put down waits for it.
+    let after_end_s = if is_shared { 0.0 } else { BETWEEN_HANDS_S };
     if margin(ends, quantile) >= after_end_s {
         Some(RelationKind::End)
     } else if margin(begins, quantile) >= BETWEEN_HANDS_S {
@@ -177,14 +175,10 @@ fn between_hands(begins: &[f64], ends: &[f64], is_shared: bool, quantile: f64) -
     }
 }
 
-/// By how much the mean of these gaps exceeds what is safely large.
+/// By how much the mean of these gaps exceeds the least one with which the next gap is positive too, at this quantile of Student's t.
 fn margin(gaps: &[f64], quantile: f64) -> f64 {
-    mean(gaps) - bound(quantile, gaps)
-}
-
-/// The least mean that a gap must have for the next one to be positive too, at this quantile of Student's t.
-fn bound(quantile: f64, gaps: &[f64]) -> f64 {
-    quantile * deviation(gaps, 1).max(MIN_DEVIATION) * (1.0 + 1.0 / gaps.len() as f64).sqrt()
+    let spread = deviation(gaps, 1).max(MIN_DEVIATION) * (1.0 + 1.0 / gaps.len() as f64).sqrt();
+    mean(gaps) - quantile * spread
 }
 
 /// Whether the two steps have a part in common in all runs.
@@ -198,14 +192,9 @@ fn is_shared(both: &[(&Occurrence<'_>, &Occurrence<'_>)]) -> bool {
 /// Whether a second time has no place for this step: all runs have it and no run has it again, and law orders it with every other step of its
 /// hand, of which there is one at least.
 fn has_its_place(index: usize, steps: &[TaughtStep], agreement: &Agreement) -> bool {
-    let opening = |activity: usize| {
-        let mut sequences = agreement.sequences.iter();
-        let first = sequences.find(|sequence| usize::from(sequence.activity) == activity);
-        first.and_then(|sequence| sequence.contexts.first()).map_or([0; 2], |first| [first.0[0], first.0[1]])
-    };
-    let own = opening(index);
+    let hand = |step: usize| agreement.keys[step].opening[0];
     let mut others =
-        (0..steps.len()).filter(|other| *other != index && opening(*other)[0] == own[0]).peekable();
+        (0..steps.len()).filter(|other| *other != index && hand(*other) == hand(index)).peekable();
     let is_law = |earlier: usize, later: usize| {
         let mut laws = steps[later].after.iter().filter(|relation| relation.kind != RelationKind::Usual);
         laws.any(|relation| usize::from(relation.activity) == earlier)
@@ -228,6 +217,7 @@ mod tests {
             allows_insertions: false,
             is_steadied: false,
             shown: shown.to_vec(),
+            ius: Vec::new(),
         };
         let whole = sequence(0, &[there, back].concat(), &[(0, 0), (1, 0)]);
         let part = sequence(0, &there, &[(2, 0), (3, 0)]);

@@ -1,40 +1,61 @@
 //! What teaching found, and whether the job can be trusted.
 
-use super::iu_report::IuReport;
-use super::kind::is_on_the_way;
-use super::leave_one_out::LeftOut;
-use super::meetings::Unsure;
-use super::noticed::{Noticed, what_more_would_bring};
-use super::options::TeachOptions;
+use super::kind::{MotionKind, is_on_the_way};
+use super::noticed::{self, what_more_would_bring};
 use super::order::OrderReport;
-use super::sequence::Disagreement;
+use super::sequence::{Blind, Disagreement};
 use super::statement::Statement;
-use super::threshold::min_false_alarms;
-use super::trust::{Blind, Doubt, Outlier, summary};
-use super::widened;
-use crate::distribution::{Distribution, LEGEND};
-use crate::job_file::{JobFile, context_words};
-use crate::recording::{NamedObject, object_name};
+use super::threshold::{Learned, min_false_alarms};
+use super::trust::{Doubt, Outlier};
+use crate::distribution::{Distribution, LEGEND, Right};
+use crate::job_file::{JobFile, TaughtIu, context_words};
 use crate::rule::ThresholdRule;
+use crate::statistics::{deviation, mean};
 use crate::strictness::Strictness;
 use andon_core::bounds::Bounds;
 use andon_core::couple::Context;
 use std::fmt;
 
 /// A threshold that depends on fewer demonstrations than this is reported: people are asked to show a job five times.
-const ENOUGH_DEMONSTRATIONS: usize = 5;
+const ENOUGH_DEMONSTRATIONS: u32 = 5;
 
-/// What was found in the runs.
-#[derive(Debug)]
-pub(super) struct Found {
-    pub(super) disagreements: Vec<Disagreement>,
-    pub(super) doubts: Vec<Doubt>,
-    pub(super) pauses: Vec<Outlier>,
-    pub(super) questions: Vec<Outlier>,
-    pub(super) blind: Vec<Blind>,
-    pub(super) left_out: Option<LeftOut>,
-    pub(super) unsure: Vec<Unsure>,
-    pub(super) one_person: f64,
+/// What was taught of one IU of a nominal activity, and what it depends on.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct IuReport {
+    /// Index of the activity in the job, from 0.
+    pub(super) activity: u16,
+    /// Index of the IU in the activity, from 0.
+    pub(super) iu: usize,
+    pub(super) taught: TaughtIu,
+    /// Mean and standard deviation of the DTW distances that the threshold is derived from.
+    pub(super) distance: [f64; 2],
+    /// The demonstrations do not agree in the number of strokes.
+    pub(super) is_by_feel: bool,
+}
+
+impl IuReport {
+    pub(super) fn new(
+        activity: u16,
+        iu: usize,
+        learned: &Learned,
+        kind: MotionKind,
+        taught: &TaughtIu,
+    ) -> Self {
+        let distances = learned.distances();
+        Self {
+            activity,
+            iu,
+            taught: taught.clone(),
+            distance: [mean(distances), deviation(distances, 1)],
+            is_by_feel: kind.is_by_feel(),
+        }
+    }
+
+    /// The threshold, in words where the motion is no law.
+    pub(super) fn threshold_words(&self) -> String {
+        let threshold = self.taught.threshold;
+        if threshold < f32::MAX { format!("{threshold:.2}") } else { "any".to_owned() }
+    }
 }
 
 /// What teaching found. `Display` prints it for people.
@@ -44,72 +65,42 @@ pub struct TeachReport {
     pub runs: usize,
     /// What speaks against learning from them.
     pub doubts: Vec<Doubt>,
-    /// Demonstrations with a pause that the others do not have, and that is no anomaly.
-    pub pauses: Vec<Outlier>,
-    /// Demonstrations that stand out where the others make no law of it.
-    pub questions: Vec<Outlier>,
     /// The runs that were left out, and why.
     pub disagreements: Vec<Disagreement>,
     /// What was not learnt because too little of it was seen.
     pub blind: Vec<Blind>,
-    /// The steps of the job and their order.
-    pub order: OrderReport,
     /// The names of the runs that a job taught with the others rejects; `None` if it was not tried.
     pub rejected: Option<Vec<String>>,
     /// What leaving one run out has shown, a sentence each; empty if it was not asked for.
     pub left_out: Vec<Statement>,
-    /// What they do not show for sure of where hands and objects meet.
-    pub unsure: Vec<Unsure>,
+    /// What they do not show for sure of where hands and objects meet, a sentence each, with what to do.
+    pub unsure: Vec<String>,
+    /// Demonstrations with a pause that the others do not have, and that is no anomaly.
+    pub(super) pauses: Vec<Outlier>,
+    /// Demonstrations that stand out where the others make no law of it.
+    pub(super) questions: Vec<Outlier>,
     /// How probable it is that one person showed all of them.
-    pub one_person: f64,
-    /// How many frames per second the job needs.
-    pub min_rate_hz: f32,
-    /// How many frames per second the runs were encoded with.
-    pub rate_hz: f32,
-    /// How strict the job is.
-    pub strictness: Strictness,
-    /// The share of right jobs that the bounds may accuse together; 0 where there are none.
-    pub false_alarms: f64,
-    /// The rule by which the thresholds were chosen.
-    pub rule: ThresholdRule,
-    /// Each IU of each nominal sequence.
-    pub ius: Vec<IuReport>,
-    objects: Vec<NamedObject>,
+    pub(super) one_person: f64,
+    pub(super) ius: Vec<IuReport>,
+    pub(super) job: JobFile,
 }
 
 impl TeachReport {
-    pub(super) fn new(
-        runs: usize,
-        options: &TeachOptions,
-        job: &JobFile,
-        found: Found,
-        ius: Vec<IuReport>,
-    ) -> Self {
-        let Found { disagreements, doubts, pauses, questions, blind, left_out, unsure, one_person } = found;
-        let used = runs - disagreements.len();
-        let order = OrderReport::new(job, used);
-        let words = |context| context_words(context, |id| object_name(&job.objects, id));
-        let sentences =
-            options.leave_one_out.then(|| widened::sentences(used, left_out.as_ref(), job, &words));
+    /// Before anything was found for this job.
+    pub(super) fn of(job: JobFile) -> Self {
         Self {
-            runs,
-            doubts,
-            pauses,
-            questions,
-            disagreements,
-            blind,
-            order,
-            rejected: left_out.map(|left_out| left_out.rejected),
-            left_out: sentences.unwrap_or_default(),
-            unsure,
-            one_person,
-            min_rate_hz: job.min_rate_hz,
-            rate_hz: job.method.rate_hz,
-            strictness: options.strictness,
-            false_alarms: options.bounds.false_alarms,
-            rule: options.rule,
-            ius,
-            objects: job.objects.clone(),
+            runs: 0,
+            doubts: Vec::new(),
+            disagreements: Vec::new(),
+            blind: Vec::new(),
+            rejected: None,
+            left_out: Vec::new(),
+            unsure: Vec::new(),
+            pauses: Vec::new(),
+            questions: Vec::new(),
+            one_person: 0.0,
+            ius: Vec::new(),
+            job,
         }
     }
 
@@ -118,7 +109,6 @@ impl TeachReport {
         self.doubts.is_empty()
     }
 
-    /// Number of runs that were learnt from.
     fn used(&self) -> usize {
         self.runs - self.disagreements.len()
     }
@@ -128,7 +118,7 @@ impl TeachReport {
         let words = |context| self.words(context);
         let left_out =
             self.disagreements.iter().map(|found| format!("left out was {}", found.sentence(&words)).into());
-        let unsure = self.unsure.iter().map(|unsure| unsure.to_string().into());
+        let unsure = self.unsure.iter().cloned().map(Statement::from);
         let pauses = self.pauses.iter().map(|pause| {
             let text = format!("{} is slow: {}; so short a pause is right", pause.run, pause.figures(&words));
             Statement::of_run(text, Some(self.lies(pause)))
@@ -159,7 +149,7 @@ impl TeachReport {
     fn lies(&self, outlier: &Outlier) -> Distribution {
         let mut ius = self.ius.iter();
         let iu = ius.find(|iu| (iu.activity, iu.iu) == (outlier.activity, outlier.iu));
-        outlier.distribution(iu.map(|iu| self.noticed().right(iu)))
+        outlier.distribution(iu.map(|iu| Right::of(&iu.taught, self.rate_hz())))
     }
 
     fn one_person(&self) -> Option<String> {
@@ -170,16 +160,15 @@ impl TeachReport {
     }
 
     fn few_demonstrations(&self) -> Option<String> {
-        let fewest = self.ius.iter().min_by_key(|iu| iu.demonstrations)?;
-        let few = self.ius.iter().filter(|iu| iu.demonstrations < ENOUGH_DEMONSTRATIONS).count();
-        let missing =
-            ENOUGH_DEMONSTRATIONS.checked_sub(fewest.demonstrations).filter(|missing| *missing > 0)?;
+        let fewest = self.ius.iter().min_by_key(|iu| iu.taught.demonstrations)?;
+        let few = self.ius.iter().filter(|iu| iu.taught.demonstrations < ENOUGH_DEMONSTRATIONS).count();
+        let shown = fewest.taught.demonstrations;
+        let missing = ENOUGH_DEMONSTRATIONS.checked_sub(shown).filter(|missing| *missing > 0)?;
         Some(format!(
-            "{few} of {} IUs depend on fewer than {ENOUGH_DEMONSTRATIONS} demonstrations, step {}, IU {} on {}: show {missing} more",
+            "{few} of {} IUs depend on fewer than {ENOUGH_DEMONSTRATIONS} demonstrations, step {}, IU {} on {shown}: show {missing} more",
             self.ius.len(),
             fewest.activity + 1,
             fewest.iu + 1,
-            fewest.demonstrations
         ))
     }
 
@@ -196,8 +185,8 @@ impl TeachReport {
     /// Two IUs one after the other in which a hand has the same part on its way: nothing tells which of them it is.
     fn same_again(&self) -> Option<String> {
         let is_same = |one: &IuReport, next: &IuReport| {
-            (one.activity, one.iu + 1, one.context) == (next.activity, next.iu, next.context)
-                && is_on_the_way(next.context)
+            let key = |of: &IuReport, iu: usize| (of.activity, iu, of.taught.context);
+            key(one, one.iu + 1) == key(next, next.iu) && is_on_the_way(next.taught.context)
         };
         let (one, next) =
             self.ius.iter().zip(self.ius.iter().skip(1)).find(|(one, next)| is_same(one, next))?;
@@ -206,24 +195,24 @@ impl TeachReport {
             one.activity + 1,
             one.iu + 1,
             next.iu + 1,
-            self.words(one.context)
+            self.words(one.taught.context)
         ))
     }
 
-    /// IUs whose strokes are made by feel.
     fn by_feel(&self) -> Option<String> {
         let place = |iu: &IuReport| {
-            let shown = iu.measures.shown?.reversals;
-            let [least, most, min, max] = [shown.min, shown.max, iu.reversals.min, iu.reversals.max]
-                .map(|count| f64::from(count) / 2.0);
-            let what = self.words(iu.context);
+            let TaughtIu { context, reversals, measures, .. } = &iu.taught;
+            let shown = measures.shown?.reversals;
+            let [least, most, min, max] =
+                [shown.min, shown.max, reversals.min, reversals.max].map(|count| f64::from(count) / 2.0);
+            let what = self.words(*context);
             let place = format!("step {}, IU {} ({what})", iu.activity + 1, iu.iu + 1);
             Some(format!("{least} to {most} in {place}, so that {min} to {max} are right"))
         };
         let places: Vec<String> = self
             .ius
             .iter()
-            .filter(|iu| iu.is_by_feel && iu.reversals.max < u32::MAX)
+            .filter(|iu| iu.is_by_feel && iu.taught.reversals.max < u32::MAX)
             .filter_map(place)
             .collect();
         (!places.is_empty()).then(|| {
@@ -235,8 +224,8 @@ impl TeachReport {
     }
 
     fn false_alarms(&self) -> Option<String> {
-        let ThresholdRule::Conformal { false_alarms } = self.rule else { return None };
-        let fewest = self.ius.iter().map(|iu| iu.demonstrations).min()?;
+        let ThresholdRule::Conformal { false_alarms } = self.job.provenance.rule else { return None };
+        let fewest = self.ius.iter().map(|iu| iu.taught.demonstrations).min()?;
         (false_alarms < min_false_alarms(fewest)).then(|| {
             format!(
                 "{fewest} demonstrations of an IU can promise {:.1} % false alarms at best, not {:.1} %",
@@ -246,9 +235,8 @@ impl TeachReport {
         })
     }
 
-    /// A context in words, with the names of the objects.
     pub(super) fn words(&self, context: Context) -> String {
-        context_words(context, |id| object_name(&self.objects, id))
+        context_words(context, |id| self.job.object_name(id))
     }
 }
 
@@ -260,7 +248,7 @@ impl fmt::Display for TeachReport {
         for warning in self.warnings() {
             writeln!(f, "note: {warning}")?;
         }
-        write!(f, "{}", self.order)?;
+        write!(f, "{}", self.order())?;
         for line in self.findings() {
             writeln!(f, "{line}")?;
         }
@@ -269,7 +257,7 @@ impl fmt::Display for TeachReport {
         }
         self.write_table(f)?;
         if self.has_measures() {
-            write!(f, "{}", self.noticed())?;
+            noticed::write(&self.ius, self.rate_hz(), f)?;
         }
         for line in self.promise() {
             writeln!(f, "{line}")?;
@@ -281,16 +269,49 @@ impl fmt::Display for TeachReport {
 impl TeachReport {
     /// Whether the job can be used and why, in one sentence; then, for each doubt, what to do about it.
     pub(super) fn summary(&self) -> Vec<Statement> {
-        let (words, lies) = (|context| self.words(context), |outlier: &Outlier| self.lies(outlier));
-        summary(self.used(), self.runs, &self.doubts, &words, &lies)
+        let begins = ["not usable, because"].into_iter().chain(std::iter::repeat("  And"));
+        let lines = |(begins, doubt): (&str, &Doubt)| {
+            let lies = doubt.outlier.as_ref().map(|outlier| self.lies(outlier));
+            let sentence = Statement::of_run(format!("{begins} {}.", doubt.sentence), lies);
+            [sentence, format!("  What to do: {}.", doubt.remedy).into()]
+        };
+        let used = self.used();
+        let usable = match self.runs {
+            _ if used == 1 => "usable with care, because one run shows neither in which order the work may be done nor how much correct runs \
+                 differ: any order is accepted, and the thresholds are a guess from the spread of other people."
+                .to_owned(),
+            runs if used == runs => {
+                format!("usable, because the {runs} runs agree in all their steps and none of them stands out.")
+            }
+            runs => format!(
+                "usable, because {used} of {runs} runs agree in all their steps and none of these stands out; the rest was left out."
+            ),
+        };
+        let usable = self.is_trusted().then(|| usable.into());
+        begins.zip(&self.doubts).flat_map(lines).chain(usable).collect()
+    }
+
+    /// The steps of the job and their order.
+    pub(super) fn order(&self) -> OrderReport<'_> {
+        OrderReport { job: &self.job, runs: self.used() }
+    }
+
+    pub(super) fn rate_hz(&self) -> f32 {
+        self.job.method.rate_hz
+    }
+
+    /// The share of right jobs that the bounds may accuse together; 0 where there are none.
+    fn share_accused(&self) -> f64 {
+        self.job.provenance.bounds.false_alarms
     }
 
     /// Which runs the others would have rejected, and how many frames the job needs.
     pub(super) fn findings(&self) -> Vec<Statement> {
-        let rate = (self.min_rate_hz > 0.0).then(|| {
+        let min_rate_hz = self.job.min_rate_hz;
+        let rate = (min_rate_hz > 0.0).then(|| {
             Statement::from(format!(
-                "the job needs {:.1} of {:.1} frames per second; a step with fewer is not judged (overload)",
-                self.min_rate_hz, self.rate_hz
+                "the job needs {min_rate_hz:.1} of {:.1} frames per second; a step with fewer is not judged (overload)",
+                self.rate_hz()
             ))
         });
         self.left_out.iter().cloned().chain(rate).collect()
@@ -304,12 +325,7 @@ impl TeachReport {
 
     /// Whether what was measured in metres and seconds has bounds.
     pub(super) fn has_measures(&self) -> bool {
-        self.false_alarms > 0.0
-    }
-
-    /// What the bounds notice.
-    pub(super) fn noticed(&self) -> Noticed<'_> {
-        Noticed { ius: &self.ius, rate_hz: self.rate_hz }
+        self.share_accused() > 0.0
     }
 
     /// What the bounds promise.
@@ -317,16 +333,17 @@ impl TeachReport {
         if !self.has_measures() {
             return Vec::new();
         }
+        let strictness = self.job.provenance.strictness.unwrap_or_default();
         vec![
             format!(
                 "strictness {} of {}: where these runs differ as people in general, the measures are set to accuse one of {:.0} right jobs; {}; --strictness \
                  changes both",
-                self.strictness.number(),
+                strictness.number(),
                 Strictness::MAX,
-                1.0 / self.false_alarms,
-                gives_way(self.strictness)
+                1.0 / self.share_accused(),
+                gives_way(strictness)
             ),
-            what_more_would_bring(self.order.runs, self.false_alarms),
+            what_more_would_bring(self.used(), self.share_accused()),
         ]
     }
 
@@ -342,13 +359,13 @@ impl TeachReport {
                 "{:>4}  {:>2}  {:>5}  {:<12}  {:<10}  {:>6.2} +- {:<5.2}  {:>9}  {}",
                 iu.activity + 1,
                 iu.iu + 1,
-                iu.demonstrations,
-                range(iu.frames, |frames| self.seconds(frames)),
-                range(iu.reversals, |count| count.to_string()),
-                iu.mean_distance,
-                iu.distance_deviation,
+                iu.taught.demonstrations,
+                range(iu.taught.frames, |frames| self.seconds(frames)),
+                range(iu.taught.reversals, |count| count.to_string()),
+                iu.distance[0],
+                iu.distance[1],
                 iu.threshold_words(),
-                self.words(iu.context)
+                self.words(iu.taught.context)
             )?;
         }
         writeln!(f, "  shown: number of demonstrations")?;
@@ -358,13 +375,11 @@ impl TeachReport {
         writeln!(f)
     }
 
-    /// So many frames of the grid as seconds.
     pub(super) fn seconds(&self, frames: u32) -> String {
-        format!("{:.1}", f64::from(frames) / f64::from(self.rate_hz))
+        format!("{:.1}", f64::from(frames) / f64::from(self.rate_hz()))
     }
 }
 
-/// When a rule gives way to the runs, in words.
 fn gives_way(strictness: Strictness) -> String {
     match strictness.contradictions() {
         1 => "a rule gives way to one run that contradicts it".to_owned(),
@@ -374,7 +389,6 @@ fn gives_way(strictness: Strictness) -> String {
 }
 
 impl Disagreement {
-    /// Where the run differs from the others, in words.
     pub(super) fn sentence(&self, words: &dyn Fn(Context) -> String) -> String {
         let Self { name, activity, iu, .. } = self;
         let (step, iu) = (activity + 1, iu + 1);
@@ -398,7 +412,6 @@ impl Disagreement {
     }
 }
 
-/// Bounds in words.
 pub(super) fn range(bounds: Bounds, value: impl Fn(u32) -> String) -> String {
     match (bounds.min, bounds.max) {
         (0, u32::MAX) => "any".to_owned(),

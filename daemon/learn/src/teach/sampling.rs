@@ -5,7 +5,6 @@
 
 use crate::job_file::JobFile;
 use crate::run::Run;
-use andon_core::couple::Context;
 use andon_core::verdict::{Level, Outcome, Verdict};
 
 /// At fewer frames per second than this, nobody runs a line.
@@ -28,16 +27,13 @@ pub(super) fn needed_rate_hz(runs: &[&Run], job: &JobFile) -> f32 {
     let rate_hz = job.method.rate_hz;
     // Nothing is asked of the rate while it is measured.
     let free = JobFile { min_rate_hz: 0.0, ..job.clone() };
-    let shown: Vec<(&Run, Vec<Said>)> = runs
-        .iter()
-        .filter_map(|run| Some((*run, said(&run.judge(&free).ok()?))))
-        .filter(|(_, said)| is_right(said))
-        .collect();
+    let judged = runs.iter().filter_map(|run| Some((*run, run.judge(&free).ok()?)));
+    let shown: Vec<(&Run, Vec<Verdict>)> = judged.filter(|(_, verdicts)| are_right(verdicts)).collect();
     let rate_of = |[kept, of]: [u32; 2]| rate_hz * kept as f32 / of as f32;
     let is_enough = |share: &[u32; 2]| {
-        let thinned = |(run, shown): &(&Run, Vec<Said>)| -> Vec<Option<Outcome>> {
-            let verdicts = run.judge_at(rate_of(*share).into(), share[1], &free);
-            verdicts.iter().map(|verdicts| outcome(&said(verdicts), shown)).collect()
+        let thinned = |(run, shown): &(&Run, Vec<Verdict>)| -> Vec<Option<Outcome>> {
+            let thinned = run.judge_at(rate_of(*share).into(), share[1], &free);
+            thinned.iter().map(|verdicts| outcome(verdicts, shown)).collect()
         };
         let outcomes: Vec<Option<Outcome>> = shown.iter().flat_map(thinned).collect();
         let unjudged = outcomes.iter().filter(|outcome| **outcome == Some(Outcome::NotJudged)).count();
@@ -51,28 +47,16 @@ pub(super) fn needed_rate_hz(runs: &[&Run], job: &JobFile) -> f32 {
     least.filter(|_| !shown.is_empty()).map_or(rate_hz, rate_of)
 }
 
-/// What a verdict is about and how it came out.
-type Said = (Level, Outcome, u16, Option<u16>, Context);
-
 /// How a thinned run came out: as it was shown, not judged, or an anomaly; `None` if it was segmented in another way.
-fn outcome(said: &[Said], shown: &[Said]) -> Option<Outcome> {
-    let of = |wanted: Outcome| said.iter().any(|(_, outcome, ..)| *outcome == wanted);
-    let is_same =
-        |(one, other): (&Said, &Said)| (one.0, one.2, one.3, one.4) == (other.0, other.2, other.3, other.4);
-    let is_segmented_alike = said.len() == shown.len() && said.iter().zip(shown).all(is_same);
-    match [Outcome::Anomaly, Outcome::NotJudged].into_iter().find(|wanted| of(*wanted)) {
-        Some(outcome) => Some(outcome),
-        None => is_segmented_alike.then_some(Outcome::Ok),
-    }
+fn outcome(verdicts: &[Verdict], shown: &[Verdict]) -> Option<Outcome> {
+    let has = |wanted: &Outcome| verdicts.iter().any(|verdict| verdict.outcome == *wanted);
+    let about = |of: &Verdict| (of.level, of.activity, of.iu, of.context);
+    let is_alike = || verdicts.iter().map(about).eq(shown.iter().map(about));
+    let worse = [Outcome::Anomaly, Outcome::NotJudged].into_iter().find(has);
+    worse.or_else(|| is_alike().then_some(Outcome::Ok))
 }
 
-fn said(verdicts: &[Verdict]) -> Vec<Said> {
-    let said =
-        |verdict: &Verdict| (verdict.level, verdict.outcome, verdict.activity, verdict.iu, verdict.context);
-    verdicts.iter().map(said).collect()
-}
-
-fn is_right(said: &[Said]) -> bool {
-    said.last().is_some_and(|(level, ..)| *level == Level::Job)
-        && said.iter().all(|(_, outcome, ..)| *outcome == Outcome::Ok)
+fn are_right(verdicts: &[Verdict]) -> bool {
+    verdicts.last().is_some_and(|verdict| verdict.level == Level::Job)
+        && verdicts.iter().all(|verdict| verdict.outcome == Outcome::Ok)
 }

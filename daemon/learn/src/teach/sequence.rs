@@ -10,11 +10,17 @@
 //! step the remainder of that. The later step is then required after the short one (`completes` in the job file). Without this, one half
 //! alone was called right in 6 of 15 runs.
 
+use super::TeachError;
+use super::kind::MotionKind;
+use super::meetings::SAME_PLACE_M;
 use super::strength::{Rule, StepKey, Strengths};
-use crate::run::{Activity, Run};
+use crate::job_file::{Source, context_words};
+use crate::recording::object_name;
+use crate::run::{Activity, Iu, Run};
 use crate::statistics::median;
 use andon_core::couple::Context;
 use andon_core::input::Side;
+use andon_core::segment::Measures;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A variant needs at least this many runs: two could share the same slip.
@@ -23,39 +29,41 @@ const MIN_VARIANT_RUNS: usize = 3;
 /// A variant also needs at least this share of the runs: among many runs, three could share the same slip.
 const MIN_VARIANT_SHARE: f64 = 0.2;
 
-/// An object that moves less than this while a hand is at it, in metres, or less than it seems to move by noise, is not moved by it: no work is done
-/// in so small a space.
-const MOVED_M: f32 = 0.03;
-
-/// Fewer runs than this cannot tell which of them is the odd one.
-const MIN_RUNS: usize = 4;
-
-/// A step of the job: the opening of an activity, and the number of earlier activities of the run with the same opening.
-type Step = (Context, usize);
+/// Fewer runs than this cannot tell which of them is the odd one, or agree and differ by chance.
+pub(super) const MIN_RUNS: usize = 4;
 
 /// The first point at which a run does not do what the others do.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Disagreement {
-    /// Index of the run among the runs that were given.
-    pub run: usize,
     /// The run's name.
-    pub name: String,
+    pub(super) name: String,
     /// Index of the activity in the run, from 0. If the run lacks a step, the index at which the others have it.
-    pub activity: usize,
+    pub(super) activity: usize,
+    /// Index of the IU in the activity, from 0.
+    pub(super) iu: usize,
+    /// The contexts that the run has there, and the others; `None` where an activity has ended.
+    pub(super) had: Option<Context>,
+    pub(super) others: Option<Context>,
+}
+
+/// A demonstration of an IU of which too little was seen. It is not learnt from: what is missing would become part of the reference.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Blind {
+    /// The run's name.
+    pub run: String,
+    /// Index of the activity in the job, from 0.
+    pub activity: u16,
     /// Index of the IU in the activity, from 0.
     pub iu: usize,
-    /// The context that the run has there; `None` if its activity has ended.
-    pub had: Option<Context>,
-    /// The context that the others have there; `None` if their activity has ended.
-    pub others: Option<Context>,
+    /// The context of the IU.
+    pub context: Context,
 }
 
 /// A sequence of contexts that fulfils a step, and the demonstrations that show it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sequence {
     /// Index of the activity in the job, from 0.
     pub(super) activity: u16,
-    /// The contexts in order.
     pub(super) contexts: Vec<Context>,
     /// The demonstrations have only these in common, and other IUs between them.
     pub(super) allows_insertions: bool,
@@ -63,10 +71,58 @@ pub(super) struct Sequence {
     pub(super) is_steadied: bool,
     /// The demonstrations: index of the run, and index of the activity in that run.
     pub(super) shown: Vec<(usize, usize)>,
+    pub(super) ius: Vec<ShownIu>,
+}
+
+/// What its demonstrations show of one IU of a sequence.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ShownIu {
+    pub(super) context: Context,
+    pub(super) kind: MotionKind,
+    /// The demonstrations from which it can be learnt: index of the run, of the activity in it, and of the IU in that.
+    pub(super) shown: Vec<[usize; 3]>,
+    pub(super) measured: Vec<Measures>,
+    /// How many frames of the grid the hand worked in these.
+    pub(super) frames: Vec<u32>,
+    /// The demonstrations that are not learnt from.
+    pub(super) blind: Vec<Blind>,
+}
+
+impl ShownIu {
+    /// A release state is judged by its context alone, so every demonstration of it will do.
+    fn of(sequence: &Sequence, index: usize, runs: &[Run]) -> Self {
+        let all = sequence.shown.iter().filter_map(|&(run, activity)| {
+            let own = sequence.indices(&runs[run].activities[activity]);
+            Some([run, activity, *own.get(index)?])
+        });
+        let iu = |[run, activity, iu]: [usize; 3]| &runs[run].activities[activity].ius[iu];
+        let (shown, hidden): (Vec<_>, Vec<_>) =
+            all.partition(|at| iu(*at).is_well_seen || iu(*at).context.is_release());
+        let blind = |at: [usize; 3]| Blind {
+            run: runs[at[0]].name.clone(),
+            activity: sequence.activity,
+            iu: index,
+            context: iu(at).context,
+        };
+        let measured: Vec<Measures> = shown.iter().map(|at| iu(*at).measures).collect();
+        Self {
+            context: sequence.contexts[index],
+            kind: MotionKind::of(sequence.contexts[index], &measured),
+            frames: shown.iter().map(|at| iu(*at).worked_frames()).collect(),
+            blind: hidden.into_iter().map(blind).collect(),
+            shown,
+            measured,
+        }
+    }
+
+    /// The demonstrations from which it can be learnt, each with the index of its run.
+    pub(super) fn ius<'a>(&'a self, runs: &'a [Run]) -> impl Iterator<Item = (usize, &'a Iu)> {
+        self.shown.iter().map(|&[run, activity, iu]| (run, &runs[run].activities[activity].ius[iu]))
+    }
 }
 
 /// What the runs have in common.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Agreement {
     /// The nominal sequences in the order of their activities; the most common sequence of an activity comes first.
     pub(super) sequences: Vec<Sequence>,
@@ -78,6 +134,8 @@ pub(super) struct Agreement {
     pub(super) used: Vec<usize>,
     /// For each activity of the job and each run that is used, the index of the activity in the run that is this step.
     pub(super) steps: Vec<Vec<Option<usize>>>,
+    /// The step that each activity of the job is.
+    pub(super) keys: Vec<StepKey>,
 }
 
 impl Agreement {
@@ -85,12 +143,38 @@ impl Agreement {
     pub(super) fn used_runs<'a>(&self, runs: &'a [Run]) -> Vec<&'a Run> {
         self.used.iter().map(|index| &runs[*index]).collect()
     }
+
+    /// The runs in which it was found, as the job file names them.
+    pub(super) fn sources(&self, runs: &[Run]) -> Vec<Source> {
+        let source = |(index, run): (usize, &Run)| Source {
+            name: run.name.clone(),
+            sha256: run.sha256.clone(),
+            left_out: !self.used.contains(&index),
+        };
+        runs.iter().enumerate().map(source).collect()
+    }
+
+    /// Why there is nothing that all steps of a run agree on.
+    pub(super) fn nothing_agrees(&self, runs: &[Run]) -> TeachError {
+        // Where no step is common to most runs, there is nothing that a run could have had instead.
+        let mut found = self.disagreements.iter();
+        if !found.any(|found| found.others.is_some() || found.had.is_none()) {
+            return TeachError::NothingInCommon(runs.len());
+        }
+        let words = |context| context_words(context, |id| object_name(&runs[0].objects, id));
+        let differences = self.disagreements.iter().map(|found| found.sentence(&words)).collect();
+        TeachError::NoneAgrees { runs: runs.len(), differences }
+    }
+
+    pub(super) fn ius(&self) -> impl Iterator<Item = &ShownIu> {
+        self.sequences.iter().flat_map(|sequence| &sequence.ius)
+    }
 }
 
 impl Sequence {
     /// The indices of its IUs in an activity that shows it: of each the first one in its context after the one before.
     pub(super) fn indices(&self, activity: &Activity) -> Vec<usize> {
-        let side = side_of(self.contexts[0]);
+        let side = side_of(self.contexts[0].0[0]);
         let mut all = activity.ius.iter().enumerate();
         let next = |context: &Context| {
             all.find(|(_, iu)| iu.context.by_hand(side) == *context).map(|(index, _)| index)
@@ -99,8 +183,8 @@ impl Sequence {
     }
 }
 
-fn side_of(context: Context) -> Side {
-    if context.0[0] == Side::Left as u16 { Side::Left } else { Side::Right }
+fn side_of(hand: u16) -> Side {
+    if hand == Side::Left as u16 { Side::Left } else { Side::Right }
 }
 
 /// Finds what the runs have in common. Where no run may be left out for the sequence of a step, because the strengths or two runs say so, the step
@@ -112,7 +196,8 @@ pub(super) fn agree(runs: &[Run], strengths: &Strengths) -> Agreement {
     for (step, contexts) in &common_parts {
         sequences.insert(*step, vec![contexts.clone()]);
     }
-    let common: Vec<Step> = all.iter().filter(|step| 2 * steps.count(step) > runs.len()).copied().collect();
+    let common: Vec<StepKey> =
+        all.iter().filter(|step| 2 * steps.count(step) > runs.len()).copied().collect();
     if common.is_empty() {
         return Agreement::default();
     }
@@ -120,20 +205,26 @@ pub(super) fn agree(runs: &[Run], strengths: &Strengths) -> Agreement {
     let (disagreeing, kept): (Vec<_>, Vec<_>) =
         (0..runs.len()).map(found).partition(|(_, found)| found.is_some());
     let used: Vec<usize> = kept.into_iter().map(|(run, _)| run).collect();
-    let at = |step: &Step| -> Vec<Option<usize>> { used.iter().map(|run| steps.index(*run, step)).collect() };
-    let shown_steps: Vec<&Step> = all.iter().filter(|step| at(step).iter().any(Option::is_some)).collect();
-    let of_step = |(activity, step): (u16, &&Step)| -> Vec<Sequence> {
+    let at =
+        |step: &StepKey| -> Vec<Option<usize>> { used.iter().map(|run| steps.index(*run, step)).collect() };
+    let shown_steps: Vec<&StepKey> = all.iter().filter(|step| at(step).iter().any(Option::is_some)).collect();
+    let of_step = |(activity, step): (u16, &&StepKey)| -> Vec<Sequence> {
         let allows_insertions = common_parts.contains_key(*step);
         let shows = |run: &usize, contexts: &[Context]| {
             let index = steps.index(*run, step)?;
             (allows_insertions || steps.contexts(*run, index, step) == contexts).then_some((*run, index))
         };
-        let sequence = |contexts: &Vec<Context>| Sequence {
-            activity,
-            contexts: contexts.clone(),
-            allows_insertions,
-            is_steadied: steps.is_steadied(step),
-            shown: used.iter().filter_map(|run| shows(run, contexts)).collect(),
+        let sequence = |contexts: &Vec<Context>| {
+            let mut sequence = Sequence {
+                activity,
+                contexts: contexts.clone(),
+                allows_insertions,
+                is_steadied: steps.is_steadied(step),
+                shown: used.iter().filter_map(|run| shows(run, contexts)).collect(),
+                ius: Vec::new(),
+            };
+            sequence.ius = (0..contexts.len()).map(|index| ShownIu::of(&sequence, index, runs)).collect();
+            sequence
         };
         sequences[*step].iter().map(sequence).filter(|sequence| !sequence.shown.is_empty()).collect()
     };
@@ -142,6 +233,7 @@ pub(super) fn agree(runs: &[Run], strengths: &Strengths) -> Agreement {
         disagreements: disagreeing.into_iter().filter_map(|(_, found)| found).collect(),
         passive_contacts: steps.passive_contacts(&used).into_iter().collect(),
         steps: shown_steps.iter().map(|step| at(step)).collect(),
+        keys: shown_steps.into_iter().copied().collect(),
         used,
     }
 }
@@ -172,18 +264,18 @@ fn entropy_bits(count: usize, of: usize) -> f64 {
     if count == 0 { 0.0 } else { count as f64 * (of as f64 / count as f64).log2() }
 }
 
-type Sequences = BTreeMap<Step, Vec<Vec<Context>>>;
+type Sequences = BTreeMap<StepKey, Vec<Vec<Context>>>;
 
 /// The step that each activity of each run is; `None` where a hand rests or steadies.
 struct Steps<'a> {
     runs: &'a [Run],
-    steps: Vec<Vec<Option<Step>>>,
+    steps: Vec<Vec<Option<StepKey>>>,
 }
 
 impl<'a> Steps<'a> {
     fn of(runs: &'a [Run]) -> Self {
         let mut steps = Self::with(runs, |_, _| true);
-        let is_kept = |run: &Run, index: usize, step: Step| {
+        let is_kept = |run: &Run, index: usize, step: StepKey| {
             let is_one = steps.sequences_of(&step).len() == 1
                 || steps.is_steadied(&step) && steps.common_part(&step).is_some();
             let is_shared = steps.count(&step) == runs.len() && is_one;
@@ -208,12 +300,12 @@ impl<'a> Steps<'a> {
     fn with(runs: &'a [Run], is_kept: impl Fn(usize, usize) -> bool) -> Self {
         let hands = hands(runs, &is_kept);
         let steps_of = |(number, run): (usize, &Run)| {
-            let mut before: BTreeMap<Context, usize> = BTreeMap::new();
+            let mut before: BTreeMap<[u16; 2], usize> = BTreeMap::new();
             let step = |(index, activity): (usize, &Activity)| {
                 let opening = opening(activity, &hands);
                 let count = before.entry(opening).or_default();
                 *count += usize::from(is_kept(number, index));
-                is_kept(number, index).then(|| (opening, *count - 1))
+                is_kept(number, index).then(|| StepKey { opening, nth: *count - 1 })
             };
             run.activities.iter().enumerate().map(step).collect()
         };
@@ -227,30 +319,28 @@ impl<'a> Steps<'a> {
         passive.map(|(activity, _)| object(activity)).collect()
     }
 
-    /// The index in a run of the activity that is this step.
-    fn index(&self, run: usize, step: &Step) -> Option<usize> {
+    fn index(&self, run: usize, step: &StepKey) -> Option<usize> {
         self.steps[run].iter().position(|other| other.as_ref() == Some(step))
     }
 
-    /// How many runs have this step.
-    fn count(&self, step: &Step) -> usize {
+    fn count(&self, step: &StepKey) -> usize {
         (0..self.runs.len()).filter(|run| self.index(*run, step).is_some()).count()
     }
 
     /// The contexts of an activity, as the hand of the step would have them.
-    fn contexts(&self, run: usize, index: usize, step: &Step) -> Vec<Context> {
-        let side = side_of(step.0);
+    fn contexts(&self, run: usize, index: usize, step: &StepKey) -> Vec<Context> {
+        let side = side_of(step.opening[0]);
         let contexts = self.runs[run].activities[index].contexts();
         contexts.into_iter().map(|context| context.by_hand(side)).collect()
     }
 
     /// All steps in the order of their mean index.
-    fn in_order(&self) -> Vec<Step> {
-        let mut indices: BTreeMap<Step, Vec<usize>> = BTreeMap::new();
+    fn in_order(&self) -> Vec<StepKey> {
+        let mut indices: BTreeMap<StepKey, Vec<usize>> = BTreeMap::new();
         for (index, step) in self.steps.iter().flat_map(|run| run.iter().flatten().enumerate()) {
             indices.entry(*step).or_default().push(index);
         }
-        let mut steps: Vec<(f64, Step)> = indices
+        let mut steps: Vec<(f64, StepKey)> = indices
             .into_iter()
             .map(|(step, indices)| (indices.iter().sum::<usize>() as f64 / indices.len() as f64, step))
             .collect();
@@ -259,7 +349,7 @@ impl<'a> Steps<'a> {
     }
 
     /// The sequences of contexts in which the runs do this step, with the number of those that do.
-    fn sequences_of(&self, step: &Step) -> BTreeMap<Vec<Context>, usize> {
+    fn sequences_of(&self, step: &StepKey) -> BTreeMap<Vec<Context>, usize> {
         let mut counts = BTreeMap::new();
         for run in 0..self.runs.len() {
             if let Some(index) = self.index(run, step) {
@@ -272,7 +362,7 @@ impl<'a> Steps<'a> {
     /// For each step its most common sequence, followed by the variants that enough runs have.
     fn sequences(&self) -> Sequences {
         let min_runs = MIN_VARIANT_RUNS.max((MIN_VARIANT_SHARE * self.runs.len() as f64).ceil() as usize);
-        let nominal = |step: Step| {
+        let nominal = |step: StepKey| {
             let mut counts: Vec<(Vec<Context>, usize)> = self.sequences_of(&step).into_iter().collect();
             // Ties go to the longer sequence: a contact that was missed is more common than a contact that never happened.
             counts.sort_by_key(|(contexts, count)| std::cmp::Reverse((*count, contexts.len())));
@@ -286,8 +376,8 @@ impl<'a> Steps<'a> {
 
     /// For each step of which the runs have only a part in common, that part. One run that does all else as the others may be wrong; two that differ
     /// show that people do.
-    fn common_parts(&self, sequences: &Sequences, strengths: &Strengths) -> BTreeMap<Step, Vec<Context>> {
-        let differs = |run: &usize, step: &Step| {
+    fn common_parts(&self, sequences: &Sequences, strengths: &Strengths) -> BTreeMap<StepKey, Vec<Context>> {
+        let differs = |run: &usize, step: &StepKey| {
             let index = self.index(*run, step);
             index.is_some_and(|index| !sequences[step].contains(&self.contexts(*run, index, step)))
         };
@@ -295,10 +385,9 @@ impl<'a> Steps<'a> {
         let differing = (0..self.runs.len()).filter(|run| all.iter().any(|step| differs(run, step))).count();
         // Of two runs, neither shows that the other one is right as well.
         let may_be_wrong = differing == 1 && self.runs.len() >= MIN_RUNS || self.runs.len() < 3;
-        let key = |step: &Step| StepKey { opening: [step.0.0[0], step.0.0[1]], nth: step.1 };
-        let is_law = |step: &Step| {
+        let is_law = |step: &StepKey| {
             let is_shown = may_be_wrong || (0..self.runs.len()).all(|run| !differs(&run, step));
-            strengths.is_law(Rule::Sequence(key(step))) && is_shown && !self.is_steadied(step)
+            strengths.is_law(Rule::Sequence(*step)) && is_shown && !self.is_steadied(step)
         };
         let differing_steps = all.into_iter().filter(|step| !is_law(step));
         differing_steps.filter_map(|step| Some((step, self.common_part(&step)?))).collect()
@@ -306,16 +395,17 @@ impl<'a> Steps<'a> {
 
     /// Whether the hand only steadies the object of a step: no run moves it, and as a rule the hand rests there. What comes to it meanwhile is the
     /// work of the other hand.
-    fn is_steadied(&self, step: &Step) -> bool {
+    fn is_steadied(&self, step: &StepKey) -> bool {
         let all = self.runs.iter().flat_map(|run| run.activities.iter().map(move |activity| (run, activity)));
-        let at_it: Vec<_> = all.filter(|(_, activity)| object(activity) == step.0.0[1]).collect();
+        let at_it: Vec<_> = all.filter(|(_, activity)| object(activity) == step.opening[1]).collect();
         let moves_m: Vec<f64> =
             at_it.iter().map(|(run, activity)| f64::from(run.hand_moves_m(activity))).collect();
-        median(&moves_m) < f64::from(MOVED_M) && !at_it.iter().any(|(run, activity)| is_moved(run, activity))
+        median(&moves_m) < f64::from(SAME_PLACE_M)
+            && !at_it.iter().any(|(run, activity)| is_moved(run, activity))
     }
 
     /// The contexts that all sequences of a step have in common, in their order, from the first touch on.
-    fn common_part(&self, step: &Step) -> Option<Vec<Context>> {
+    fn common_part(&self, step: &StepKey) -> Option<Vec<Context>> {
         let all = self.sequences_of(step).into_keys();
         let common = all.reduce(|one, other| longest_common_subsequence(&one, &other))?;
         let first = common.iter().position(|context| context.is_touch())?;
@@ -327,9 +417,9 @@ impl<'a> Steps<'a> {
     fn disagreement(
         &self,
         run: usize,
-        common: &[Step],
+        common: &[StepKey],
         sequences: &Sequences,
-        common_parts: &BTreeMap<Step, Vec<Context>>,
+        common_parts: &BTreeMap<StepKey, Vec<Context>>,
     ) -> Option<Disagreement> {
         let name = self.runs[run].name.clone();
         for (activity, step) in self.steps[run].iter().enumerate() {
@@ -338,14 +428,14 @@ impl<'a> Steps<'a> {
             if !allowed.contains(&contexts) {
                 let iu = contexts.iter().zip(&allowed[0]).take_while(|(had, other)| had == other).count();
                 let (had, others) = (contexts.get(iu).copied(), allowed[0].get(iu).copied());
-                return Some(Disagreement { run, name, activity, iu, had, others });
+                return Some(Disagreement { name, activity, iu, had, others });
             }
         }
         let mut lacking = common.iter().enumerate().filter(|(_, step)| self.index(run, step).is_none());
         let (activity, step) = lacking.next()?;
-        let had = self.steps[run].get(activity).copied().flatten().map(|step| step.0);
+        let had = self.steps[run].get(activity).copied().flatten().map(StepKey::context);
         let is_other_work = 2 * (1 + lacking.count()) > common.len();
-        is_other_work.then_some(Disagreement { run, name, activity, iu: 0, had, others: Some(step.0) })
+        is_other_work.then_some(Disagreement { name, activity, iu: 0, had, others: Some(step.context()) })
     }
 }
 
@@ -388,10 +478,10 @@ fn hands(runs: &[Run], is_kept: &impl Fn(usize, usize) -> bool) -> BTreeMap<u16,
     of_one.map(|(id, count)| (id, hand(count))).collect()
 }
 
-/// Whether an activity moves the object that it begins with.
+/// Whether an activity moves the object that it begins with, by more than it seems to move by noise.
 fn is_moved(run: &Run, activity: &Activity) -> bool {
     let moved_m = run.moved_m(activity);
-    moved_m >= MOVED_M && moved_m >= run.noise_m(object(activity))
+    moved_m >= SAME_PLACE_M && moved_m >= run.noise_m(object(activity))
 }
 
 /// The object that the activity begins with.
@@ -400,8 +490,37 @@ fn object(activity: &Activity) -> u16 {
 }
 
 /// Hand and first object of an activity: at its beginning the object may be at another one already.
-fn opening(activity: &Activity, hands: &BTreeMap<u16, Side>) -> Context {
+fn opening(activity: &Activity, hands: &BTreeMap<u16, Side>) -> [u16; 2] {
     let id = object(activity);
     let side = hands.get(&id).copied().unwrap_or(activity.side);
-    Context([side as u16, id, 0, 0])
+    [side as u16, id]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    impl ShownIu {
+        /// One of which nothing but this was measured.
+        pub(in crate::teach) fn measuring(context: Context, measured: &[Measures], frames: &[u32]) -> Self {
+            let kind = MotionKind::of(context, measured);
+            let (measured, frames) = (measured.to_vec(), frames.to_vec());
+            Self { context, kind, shown: Vec::new(), measured, frames, blind: Vec::new() }
+        }
+    }
+
+    impl Agreement {
+        /// A job of one IU.
+        pub(in crate::teach) fn of_iu(iu: &ShownIu) -> Self {
+            let sequence = Sequence {
+                activity: 0,
+                contexts: vec![iu.context],
+                allows_insertions: false,
+                is_steadied: false,
+                shown: Vec::new(),
+                ius: vec![iu.clone()],
+            };
+            Self { sequences: vec![sequence], ..Self::default() }
+        }
+    }
 }

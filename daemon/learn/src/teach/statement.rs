@@ -20,12 +20,10 @@ impl From<String> for Statement {
 }
 
 impl Statement {
-    /// A sentence about one run.
     pub(super) fn of_run(text: String, shown: Option<Distribution>) -> Self {
         Self { text, shown: shown.map(|shown| (None, shown)).into_iter().collect() }
     }
 
-    /// Its part of a page.
     pub(super) fn html(&self) -> String {
         let strip = |(run, shown): &(Option<String>, Distribution)| {
             shown.html(&run.as_ref().map(|run| format!("{run}, ")).unwrap_or_default())

@@ -1,6 +1,5 @@
 //! How strong each rule of a job is. Every run that is shown is right, so a rule is law only as far as no run contradicts it that was left out.
 
-use crate::job_file::JobFile;
 use andon_core::couple::Context;
 use andon_core::verdict::{Level, Measure, OrderFault, Outcome, Reason, Verdict};
 use std::collections::BTreeMap;
@@ -8,7 +7,6 @@ use std::collections::BTreeMap;
 /// A step of a job, whatever its number there is: the hand and the object that it begins with, and how many steps before it begin so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct StepKey {
-    /// Hand and object.
     pub(super) opening: [u16; 2],
     /// The number of earlier steps with the same opening.
     pub(super) nth: usize,
@@ -72,7 +70,6 @@ impl Strength {
     }
 }
 
-/// The strength of each rule of a job.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Strengths(BTreeMap<Rule, Strength>);
 
@@ -81,7 +78,6 @@ impl Strengths {
         self.0.get(&rule).copied().unwrap_or_default()
     }
 
-    /// Whether the rule is law.
     pub(super) fn is_law(&self, rule: Rule) -> bool {
         self.of(rule) == Strength::General
     }
@@ -104,26 +100,21 @@ impl Strengths {
 }
 
 impl StepKey {
-    /// The step of a job with this number.
-    pub(super) fn of(job: &JobFile, number: usize) -> Option<Self> {
-        let opening = |number: usize| -> Option<[u16; 2]> {
-            let Context([hand, object, ..]) = *job.step_contexts(number).first()?;
-            Some([hand, object])
-        };
-        let own = opening(number)?;
-        Some(Self { opening: own, nth: (0..number).filter(|earlier| opening(*earlier) == Some(own)).count() })
+    /// The context of the hand with the object alone.
+    pub(super) fn context(self) -> Context {
+        Context([self.opening[0], self.opening[1], 0, 0])
     }
 }
 
 impl Rule {
-    /// The rule of the job that this verdict says is broken, if it says so and there is one.
-    pub(super) fn broken_by(verdict: &Verdict, job: &JobFile) -> Option<Self> {
+    /// The rule of the job with these steps that this verdict says is broken, if it says so and there is one.
+    pub(super) fn broken_by(verdict: &Verdict, steps: &[StepKey]) -> Option<Self> {
         if verdict.outcome != Outcome::Anomaly {
             return None;
         }
-        let step = StepKey::of(job, usize::from(verdict.nearest?))?;
+        let step = *steps.get(usize::from(verdict.nearest?))?;
         if let Some(broken) = verdict.broken {
-            let other = StepKey::of(job, usize::from(broken.activity))?;
+            let other = *steps.get(usize::from(broken.activity))?;
             let is_again = broken.fault == OrderFault::Again;
             return Some(if is_again {
                 Self::Once(step)

@@ -41,7 +41,6 @@ const OPPOSITE_COST: f64 = 4.0;
 /// What was learned from the demonstrations of one IU.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Learned {
-    /// The DBA barycentre of all demonstrations.
     pub(super) reference: Vec<Motion>,
     /// The number of frames of each demonstration, in their order.
     frames: Vec<u32>,
@@ -135,7 +134,6 @@ impl Learned {
         Self { own: slow(&self.own), left_out, ..self.clone() }
     }
 
-    /// The distances that the threshold is derived from.
     pub(super) fn distances(&self) -> &[f64] {
         if self.left_out.is_empty() { &self.own } else { &self.left_out }
     }
@@ -176,8 +174,8 @@ impl Learned {
 }
 
 /// The smallest share of false alarms that this number of demonstrations can promise by rank.
-pub(super) fn min_false_alarms(demonstrations: usize) -> f64 {
-    1.0 / (demonstrations + 1) as f64
+pub(super) fn min_false_alarms(demonstrations: u32) -> f64 {
+    1.0 / f64::from(demonstrations + 1)
 }
 
 #[cfg(test)]

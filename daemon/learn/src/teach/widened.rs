@@ -4,18 +4,17 @@ use super::leave_one_out::{LeftOut, MIN_RUNS};
 use super::statement::Statement;
 use super::strength::{Rule, StepKey, Strength};
 use crate::distribution::Distribution;
-use crate::job_file::JobFile;
 use crate::statistics::at_most;
 use andon_core::couple::Context;
 
 /// How sure the stated maximum of the rate of false alarms is.
 const CONFIDENCE: f64 = 0.95;
 
-/// What leaving one run out has shown of a job that `used` runs teach, a sentence each. `words` puts a context into words.
+/// What leaving one run out has shown of a job with these steps that `used` runs teach, a sentence each. `words` puts a context into words.
 pub(super) fn sentences(
     used: usize,
     left_out: Option<&LeftOut>,
-    job: &JobFile,
+    steps: &[StepKey],
     words: &dyn Fn(Context) -> String,
 ) -> Vec<Statement> {
     let Some(LeftOut { strengths, rejected_before, rejected, shown }) = left_out else {
@@ -34,9 +33,7 @@ pub(super) fn sentences(
             rejected_before.join(", ")
         ).into());
     }
-    let steps: Vec<(StepKey, usize)> =
-        (0..job.steps.len()).filter_map(|number| Some((StepKey::of(job, number)?, number))).collect();
-    let number = |step: StepKey| steps.iter().find(|(key, _)| *key == step).map(|(_, number)| number + 1);
+    let number = |step: StepKey| Some(1 + steps.iter().position(|other| *other == step)?);
     let line = |(rule, strength)| {
         let text = format!("  {}", rule_words(rule, strength, &number, words)?);
         let of_rule = shown.iter().filter(|((broken, _), _)| *broken == rule);

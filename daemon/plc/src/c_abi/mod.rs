@@ -58,7 +58,7 @@ unsafe fn text<'a>(text: *const c_char) -> Option<&'a str> {
 }
 
 /// Opens the verdict channel of `station`. `root` is the station's directory, null for `/run/andon/STATION`. Waits for at most
-/// `patience_ms` for a station that is still starting. Returns ANDON_RESULT_NOTHING and writes the reader to `*out`, or returns a
+/// `timeout_ms` for a station that is still starting. Returns ANDON_RESULT_NOTHING and writes the reader to `*out`, or returns a
 /// fault and writes null.
 ///
 /// A reader may be handed from one thread to another, as from the one that starts a program to its cyclic task. It is called by one
@@ -71,7 +71,7 @@ unsafe fn text<'a>(text: *const c_char) -> Option<&'a str> {
 pub unsafe extern "C" fn andon_open(
     root: *const c_char,
     station: *const c_char,
-    patience_ms: u32,
+    timeout_ms: u32,
     out: *mut *mut AndonReader,
 ) -> AndonResult {
     guarded(|| {
@@ -86,7 +86,7 @@ pub unsafe extern "C" fn andon_open(
             return Err(argument("root"));
         }
         let station = station.ok_or_else(|| argument("station"))?;
-        let patience = Duration::from_millis(patience_ms.into());
+        let patience = Duration::from_millis(timeout_ms.into());
         let reader = AndonReader::open(root_text, station, patience).map_err(|e| transport(&e))?;
         // SAFETY: as above. The box is given back in `andon_close`.
         unsafe { out.write(Box::into_raw(Box::new(reader))) };
@@ -96,7 +96,7 @@ pub unsafe extern "C" fn andon_open(
 
 /// Writes the next verdict to `*out` and returns ANDON_RESULT_VERDICT. When none is there, waits for at most `timeout_us` and returns
 /// ANDON_RESULT_NOTHING. A judge that goes away ends the wait with ANDON_RESULT_WRITER_GONE. With `timeout_us` 0, or when a
-/// verdict is there, the call waits for nobody; a judge that has gone away is reported all the same.
+/// verdict is there, the call does not block; a judge that has gone away is reported all the same.
 ///
 /// # Safety
 /// `reader` is from `andon_open`, not closed, and no other call with it is running; `out` can be written.
@@ -126,8 +126,8 @@ pub unsafe extern "C" fn andon_next(
     })
 }
 
-/// Writes what the reader has received so far, and whether the line is ready, to `*out` and returns ANDON_RESULT_NOTHING. It waits for
-/// nobody: call it in every cycle.
+/// Writes what the reader has received so far, and whether the station is ready, to `*out` and returns ANDON_RESULT_NOTHING. It does
+/// not block: call it in every cycle.
 ///
 /// # Safety
 /// As `andon_next`.

@@ -12,13 +12,13 @@ pub enum AndonResult {
     Nothing = 0,
     /// A verdict is in `out`.
     Verdict = 1,
-    /// The judge has been stopped or has died, and no verdict comes until it is back. Returned once: drop your own ready bit.
+    /// The judge has been stopped or has died, and no verdict comes until it is back. Returned once: clear your own ready bit.
     WriterGone = 2,
     /// A pointer is null, or a text is not UTF-8.
     Argument = -1,
     /// The station's name or root is not allowed.
     Station = -2,
-    /// The station has no steward, or it was not ready in time.
+    /// The station is not running (no steward), or was not ready in time.
     NoSteward = -3,
     /// The station runs another version of Andon.
     OtherBuild = -4,
@@ -45,7 +45,7 @@ const _: () = assert!(ANDON_PART_BYTES == PART_BYTES + 1);
 /// One verdict.
 #[repr(C)]
 pub struct AndonVerdict {
-    /// Number of the verdict since this start of the judge, from 1. A jump is a loss.
+    /// Number of the verdict since this start of the judge, from 1. A gap is a loss.
     pub seq: u64,
     /// Number of this start of the judge.
     pub epoch: u64,
@@ -99,7 +99,7 @@ pub struct AndonVerdict {
     pub hand: u8,
     /// 1 if the verdict came before the IU ended, otherwise 0.
     pub early: u8,
-    /// An AndonNote: what was not shown before and breaks no law.
+    /// An AndonNote: what was not shown before and breaks no rule of the order.
     pub note: u8,
     /// An AndonOrderFault.
     pub broken: u8,
@@ -211,7 +211,7 @@ pub struct AndonStatus {
     pub restarts: u32,
     /// 1 if the judge has gone away and no verdict has come since, otherwise 0.
     pub writer_gone: u8,
-    /// 1 while every role of the line says that it runs, perceive that it sees the bench, and the judge that it watches a job,
+    /// 1 while every process of the station says that it runs, perceive that it sees the bench, and the judge that it watches a job,
     /// otherwise 0. Silence is 0.
     pub ready: u8,
     /// Keeps the size a multiple of 8.

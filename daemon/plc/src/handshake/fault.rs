@@ -1,4 +1,4 @@
-//! The state of the line, as the PLC sees it.
+//! The state of the station, as the PLC sees it.
 
 /// Why `ready` is not set. The numbers are on the registers: one that is not used any more is never used again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -6,9 +6,9 @@
 pub enum Fault {
     /// No frames come from the camera.
     Camera = 2,
-    /// A process of the line is gone.
+    /// A process of the station is gone.
     Role = 3,
-    /// The line does not see its bench.
+    /// The station does not see its bench.
     Sight = 4,
     /// The journal has not confirmed a verdict in time.
     Journal = 5,
@@ -33,9 +33,11 @@ impl Fault {
         match self {
             Self::Camera => "no frames come from the camera: check its cable and its power",
             Self::Role => {
-                "a process of the line is gone, hangs or gets nothing in time: `andond status` names it, and systemd restarts one that has ended"
+                "a process of the station is gone, hangs or gets nothing in time: `andond status` names it, and systemd restarts one that has ended"
             }
-            Self::Sight => "the line does not see its bench: the code in the detail says why and what to do",
+            Self::Sight => {
+                "the station does not see its bench: the code in the detail says why and what to do"
+            }
             Self::Journal => {
                 "the journal has not confirmed a verdict in time: check the disk, and `andond status` for the role journal"
             }
@@ -49,7 +51,7 @@ impl Fault {
     }
 }
 
-/// The state of the line.
+/// The state of the station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Line {
     /// Not all roles are up yet, and nothing is wrong.

@@ -26,11 +26,11 @@ pub mod status {
     pub const NOTE: u16 = 1 << 9;
     /// Every bit in order, with its name and meaning.
     pub const BITS: [(u16, &str, &str); 10] = [
-        (ONLINE, "online", "the Modbus role runs and its loop turns"),
+        (ONLINE, "online", "the Modbus server runs and its cycle is alive"),
         (
             READY,
             "ready",
-            "camera, every process of the line and the journal work, the judge watches (`enable`, or `plc.writes` is false) and has the job that was loaded, and no error is latched",
+            "camera, every process of the station and the journal work, the judge watches (`enable`, or `plc.writes` is false) and has the job that was loaded, and no error is latched",
         ),
         (BUSY, "busy", "a job is running"),
         (DONE, "done", "a result is offered and not acknowledged"),
@@ -53,7 +53,7 @@ pub mod status {
 
 /// Bits of the control word.
 pub mod control {
-    /// The line watches for as long as it is set.
+    /// The station watches for as long as it is set.
     pub const ENABLE: u16 = 1;
     /// Load the job of the registers `load_job_id` and `load_model_hash`.
     pub const LOAD_JOB: u16 = 1 << 1;
@@ -71,7 +71,11 @@ pub mod control {
     pub const ALL: u16 = (1 << 7) - 1;
     /// Every bit in order, with its name and meaning.
     pub const BITS: [(u16, &str, &str); 7] = [
-        (ENABLE, "enable", "the line watches as long as this bit is set; carried out once the judge says so"),
+        (
+            ENABLE,
+            "enable",
+            "the station watches as long as this bit is set; carried out once the judge says so",
+        ),
         (
             LOAD_JOB,
             "load_job",
@@ -111,7 +115,7 @@ pub struct Control {
 /// The result block: one verdict and its number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResultBlock {
-    /// Number of this result, from 1; a jump is a loss.
+    /// Number of this result, from 1; a gap is a loss.
     pub sequence: u32,
     /// [`status::OK`], [`status::NOK`] or [`status::NOT_JUDGED`].
     pub outcome: u16,

@@ -130,7 +130,7 @@ pub const MAP: &[Register] = &[
         1,
         "carried_out",
         Get::U16(|i| i.carried_out),
-        "control bits of the commands that were carried out; each clears with its control bit",
+        "control bits of the commands that were completed; each clears with its control bit",
     ),
     read(
         2,
@@ -163,7 +163,7 @@ pub const MAP: &[Register] = &[
         11,
         "sequence",
         Get::U32(sequence),
-        "number of the result, from 1; a jump is a loss; 0 before the first result; after 4,294,967,295 comes 1",
+        "number of the result, from 1; a gap is a loss; 0 before the first result; after 4,294,967,295 comes 1",
     ),
     read(
         13,
@@ -245,7 +245,7 @@ pub const MAP: &[Register] = &[
         48,
         "boot",
         Get::U32(|i| i.boot),
-        "counts the starts of this role; 0 until the journal keeps the number, and until then nothing is offered",
+        "counts the starts of the Modbus server; 0 until the journal keeps the number, and until then nothing is offered",
     ),
     read(
         50,

@@ -131,7 +131,7 @@ fn write(arguments: &Teach, job: &JobFile, report: &TeachReport) -> Result<Strin
         said += &format!("drawn: {}\n", plot.display());
     }
     if let Some(path) = &arguments.report {
-        files.push((path, page(job, report, &draw_order(job, report.rejected.as_deref()))));
+        files.push((path, page(report, &draw_order(job, report.rejected.as_deref()))));
         said += &format!("report: {}\n", path.display());
     }
     let out = arguments.out.display();

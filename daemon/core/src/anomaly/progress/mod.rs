@@ -429,6 +429,11 @@ impl<'a> Progress<'a> {
         self.state.may_have_ended[side.index()] = self.activities_of(nominal);
     }
 
+    /// One of these nominal activities may be of the next job.
+    pub(super) fn set_may_be_of_next(&mut self, nominal: ActivitySet) {
+        self.state.may_be_of_next |= self.activities_of(nominal.iter());
+    }
+
     /// What was tried, and what this hand has begun or may have begun.
     fn begun(&self, side: Side) -> ActivitySet {
         self.tried() | self.state.may_be_underway[side.index()]

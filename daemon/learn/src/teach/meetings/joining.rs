@@ -4,14 +4,14 @@
 //! some runs. A tool that makes strokes meets a part in their middle.
 
 use super::trajectory::{Dwell, Trajectories};
-use super::{apart_m, centres, contact_of, in_proportion, median, meeting, points_of, widened};
+use super::{
+    MAX_REGION_M, PUT_BACK_M, PUT_DOWN_M, SAME_PLACE_M, apart_m, centres, contact_of, in_proportion, median,
+    meeting, points_of, widened,
+};
 use andon_core::config::Contact;
 use andon_core::object::{Meeting, ObjectShape};
 use nalgebra::Point3;
 use std::collections::BTreeSet;
-
-/// Two places where an object dwells at another are one if they are no farther apart, in metres.
-const SAME_PLACE_M: f32 = 0.03;
 
 /// The positions of two objects that come near each other so may touch, in metres: most parts of a bench are no larger.
 pub(super) const TOUCH_M: f32 = 0.15;
@@ -19,23 +19,11 @@ pub(super) const TOUCH_M: f32 = 0.15;
 /// No part of a bench is larger, in metres. Markers lie at the far ends of two long parts that touch.
 const MAX_PART_M: f32 = 0.25;
 
-/// What is put down beside a part is not at the same place in all runs, in metres.
-const MIN_SPREAD_M: f32 = 0.01;
-
-/// What is put back lies where it lay before, in metres.
-const PUT_BACK_M: f32 = 0.05;
-
 /// Two parts of which one is only put back beside the other touch where their points come as near as this, in metres.
 const BESIDE_CONTACT_M: f32 = 0.005;
 
 /// In fewer runs than this, two parts come to the same place beside each other by chance, or a hand to the same place at a part.
 pub(super) const SAME_RUNS: usize = 3;
-
-/// A place that is learnt is no wider than this, in metres: a shelf is wider than the runs show.
-const MAX_REGION_M: f32 = 0.1;
-
-/// A distance that exceeds the one before by less than this factor is of the same kind.
-const MAX_STEP_RATIO: f32 = 1.25;
 
 /// How the first one meets the second; `None` if it does as the station says, or never.
 pub(super) fn of(
@@ -80,7 +68,6 @@ fn dwells([with, at]: [usize; 2], shown: &[Trajectories]) -> Vec<(Dwell, Place)>
 /// Where one object dwells at another.
 #[derive(Clone, Copy)]
 struct Place {
-    /// The number of the run.
     run: usize,
     at: Point3<f32>,
     /// What was carried there is nearer to a third object that lies.
@@ -117,7 +104,7 @@ fn touching(places: &[Place], runs: usize) -> (Vec<Place>, Vec<Place>) {
     let met = places.iter().filter(|place| may_meet(place)).map(|place| place.at);
     let near: Vec<Point3<f32>> = met.filter(|place| place.coords.norm() < TOUCH_M).collect();
     let split: (Vec<Place>, Vec<Place>) =
-        places.iter().partition(|place| apart_m(&[place.at], &near) < MIN_SPREAD_M);
+        places.iter().partition(|place| apart_m(&[place.at], &near) < PUT_DOWN_M);
     if 2 * runs_of(&split.0) >= runs {
         return split;
     }
@@ -137,7 +124,7 @@ fn may_meet(places: &[Place]) -> impl Fn(&Place) -> bool {
 }
 
 fn are_same(places: &[Place]) -> bool {
-    are_within(MIN_SPREAD_M, &places.iter().map(|place| place.at).collect::<Vec<_>>())
+    are_within(PUT_DOWN_M, &places.iter().map(|place| place.at).collect::<Vec<_>>())
 }
 
 /// Whether places are as near to their middle as this, in metres.
@@ -176,15 +163,8 @@ fn at_given_points(
     };
     let mut distances: Vec<f32> = met.iter().map(nearest).collect();
     distances.sort_by(f32::total_cmp);
-    // From those that touch by the given distance on, up to the first gap.
-    let mut reached = distances.partition_point(|distance| *distance <= default.on_m);
-    while reached > 0
-        && reached < distances.len()
-        && distances[reached] <= MAX_STEP_RATIO * distances[reached - 1]
-        && distances[reached] <= 2.0 * default.on_m
-    {
-        reached += 1;
-    }
+    // How these differ shows how near others come that touch as well.
+    let reached = distances.partition_point(|distance_m| *distance_m <= default.on_m);
     if reached == 0 {
         return None;
     }

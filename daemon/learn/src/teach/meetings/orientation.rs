@@ -1,10 +1,8 @@
 //! Parts that turn without meaning, such as round ones.
 
 use super::trajectory::Trajectories;
+use crate::teach::sequence::MIN_RUNS;
 use nalgebra::Vector3;
-
-/// In fewer runs than this, orientations are alike or different by chance.
-const MIN_RUNS: usize = 4;
 
 /// The mean of directions that are the same, and of directions that have nothing in common: the length of the mean of unit vectors is 1 where
 /// all are alike, and about one by the root of their number where none is.

@@ -1,32 +1,22 @@
 //! What a run shows of the ways of hands and objects.
 
 use super::joining::TOUCH_M;
-use super::median;
+use super::{PUT_BACK_M, SAME_PLACE_M, median};
 use crate::statistics;
 use andon_core::capacity::HANDS;
 use andon_core::input::{Frame, Hand, Point, Space};
 use andon_core::object::{ObjectShape, REACH_M};
+use andon_core::segment::MOVED_M;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
-
-/// What is far less than a move and far more than the noise of a marker: the way of a carried object in [`PERSIST_S`], in metres. Where markers are
-/// seen less exactly, it is as much as their errors.
-const MIN_WAY_M: f32 = 0.015;
 
 /// The time in which a move is looked for, in seconds: the frames in which a change is believed, by default.
 const PERSIST_S: f64 = 1.0 / 6.0;
 
-/// An object dwells where it goes no farther than this in this time, in metres and seconds.
-const DWELL_M: f32 = 0.05;
+/// An object dwells where it stays within [`PUT_BACK_M`] for this time, in seconds.
 const DWELL_S: f64 = 0.5;
 
 /// What leaves the place where it dwells and comes back this often makes strokes there. One time is that it comes.
 const MIN_RETURNS: usize = 3;
-
-/// Farther away than this it has left, in metres.
-const STROKE_M: f32 = 0.15;
-
-/// A hand that holds an object stays where it is at it, in metres.
-const HELD_M: f32 = 0.03;
 
 /// When it was carried there, in seconds before it began to dwell.
 const CARRIED_S: std::ops::Range<f64> = -0.3..0.7;
@@ -41,7 +31,6 @@ const BOTH_HOLD: (usize, usize) = (3, 4);
 /// The nearer one holds it if it is the nearer one in this share of the time: the object is handed over, or both hold it.
 const ONE_HOLDS: (usize, usize) = (1, 4);
 
-/// The finger tips of a hand, in metres.
 pub(super) type Tips = [Point3<f32>; 3];
 
 /// The finger tips of the hands that move with an object, in its frame of reference, by the index of the side; at least one does.
@@ -50,13 +39,12 @@ type Carriers = [Option<Tips>; HANDS];
 /// The frames of a dwelling, and the places in metres.
 pub(super) type Dwell = Vec<(usize, Point3<f32>)>;
 
-/// The poses in the frames of a run.
 pub(super) struct Trajectories {
     times_s: Vec<f64>,
     hands: [Vec<Option<Tips>>; HANDS],
     /// In the order of the shapes.
     objects: Vec<Vec<Option<Isometry3<f32>>>>,
-    /// For each object, the least way that is one, in metres.
+    /// For each object, the least way that is one, in metres: where markers are seen less exactly, it is as much as their errors.
     min_ways_m: Vec<f32>,
     /// For each object, the frames in which it is carried.
     carried: Vec<Vec<(usize, Carriers)>>,
@@ -88,7 +76,7 @@ impl Trajectories {
         let mut ways = Self {
             times_s: frames.iter().map(|frame| frame.captured_ns as f64 * 1e-9).collect(),
             hands: [0, 1].map(of_hand),
-            min_ways_m: objects.iter().map(|poses| jitter_bound_m(poses).max(MIN_WAY_M)).collect(),
+            min_ways_m: objects.iter().map(|poses| jitter_bound_m(poses).max(MOVED_M)).collect(),
             objects,
             carried: Vec::new(),
         };
@@ -109,7 +97,6 @@ impl Trajectories {
         (0..self.times_s.len()).filter_map(carriers).collect()
     }
 
-    /// In how many frames the object is carried.
     pub(super) fn carried_frames(&self, object: usize) -> usize {
         self.carried[object].len()
     }
@@ -161,13 +148,16 @@ impl Trajectories {
     pub(super) fn rests(&self, hand: usize, object: usize) -> Vec<Vec<Tips>> {
         let seen = self.seen_at(hand, object);
         let ends = [seen.first(), seen.last()];
-        let waits = |tips: &Tips| ends.iter().flatten().any(|(_, end)| apart_m(end, tips) < DWELL_M);
+        let waits = |tips: &Tips| ends.iter().flatten().any(|(_, end)| apart_m(end, tips) < PUT_BACK_M);
+        let holds_anything = |frame: usize| {
+            (0..self.objects.len()).any(|object| self.are_at(object, frame)[hand] == Some(true))
+        };
         let is_at = |rest: &&[(usize, Tips)]| {
             let (frame, tips) = &rest[rest.len() / 2];
             from_middle_m(tips) < TOUCH_M
                 && !waits(tips)
                 && self.is_nearest(hand, object, *frame)
-                && !self.holds_anything(hand, *frame)
+                && !holds_anything(*frame)
         };
         let tips = |rest: &[(usize, Tips)]| rest.iter().map(|(_, tips)| *tips).collect();
         self.still(&seen).into_iter().filter(is_at).map(tips).collect()
@@ -187,7 +177,7 @@ impl Trajectories {
         let mut still = Vec::new();
         let mut begin = 0;
         while begin < seen.len() {
-            let has_left = |(_, tips): &(usize, Tips)| apart_m(tips, &seen[begin].1) >= HELD_M;
+            let has_left = |(_, tips): &(usize, Tips)| apart_m(tips, &seen[begin].1) >= SAME_PLACE_M;
             let end = seen[begin..].iter().position(has_left).map_or(seen.len(), |left| begin + left);
             let is_still = self.times_s[seen[end - 1].0] - self.times_s[seen[begin].0] >= DWELL_S;
             still.extend(is_still.then(|| &seen[begin..end]));
@@ -207,17 +197,12 @@ impl Trajectories {
         lying.all(|other| apart_m(other) >= apart_m(object))
     }
 
-    /// Whether a hand holds any object.
-    fn holds_anything(&self, hand: usize, frame: usize) -> bool {
-        (0..self.objects.len()).any(|object| self.are_at(object, frame)[hand] == Some(true))
-    }
-
     /// The direction in which the object is carried first, until it stops, on the bench and in its own frame of reference before.
     pub(super) fn first_way(&self, object: usize) -> Option<[Vector3<f32>; 2]> {
         let hold = self.carried[object].chunk_by(|one, next| self.is_within(PERSIST_S, one, next)).next()?;
         let pose = |frame: usize| self.objects[object][frame];
         let (began, ended) = pose(hold.first()?.0).zip(pose(hold.last()?.0))?;
-        let way = (ended.translation.vector - began.translation.vector).try_normalize(MIN_WAY_M)?;
+        let way = (ended.translation.vector - began.translation.vector).try_normalize(MOVED_M)?;
         Some([way, began.rotation.inverse_transform_vector(&way)])
     }
 
@@ -261,7 +246,7 @@ impl Trajectories {
         for (index, (frame, place)) in places.iter().enumerate() {
             let Some(last) = self.after(*frame, DWELL_S) else { break };
             let until = places.partition_point(|(frame, _)| *frame <= last);
-            if places[index..until].iter().any(|(_, other)| (other - place).norm() > DWELL_M) {
+            if places[index..until].iter().any(|(_, other)| (other - place).norm() > PUT_BACK_M) {
                 continue;
             }
             let next = &places[end.max(index).min(until)..until];
@@ -279,7 +264,7 @@ impl Trajectories {
     pub(super) fn place(&self, with: usize, at: usize, dwell: &Dwell) -> Point3<f32> {
         let middle = median(dwell.iter().map(|(_, place)| *place));
         let places = self.places(with, at);
-        let is_away = |(_, place): &(usize, Point3<f32>)| nalgebra::distance(place, &middle) > STROKE_M;
+        let is_away = |(_, place): &(usize, Point3<f32>)| nalgebra::distance(place, &middle) > TOUCH_M;
         let [first, last] = [dwell.first(), dwell.last()]
             .map(|end| places.partition_point(|place| end.is_some_and(|end| place.0 < end.0)));
         let begin = places[..first].iter().rposition(is_away).map_or(0, |away| away + 1);
@@ -307,7 +292,7 @@ impl Trajectories {
             let Some(carrier) = carriers[hand] else { return Some(false) };
             let (pose, tips) = self.objects[object][frame].zip(self.hands[hand][frame])?;
             let own = tips.map(|tip| pose.inverse_transform_point(&tip));
-            Some(nalgebra::distance(&centre(&own), &centre(&carrier)) < HELD_M)
+            Some(nalgebra::distance(&centre(&own), &centre(&carrier)) < SAME_PLACE_M)
         })
     }
 
@@ -366,7 +351,7 @@ fn strokes<'a>(
     for (index, (_, place)) in places.iter().enumerate() {
         // Errors neither leave nor come back.
         let was_out = is_out;
-        is_out = nalgebra::distance(place, middle) > if was_out { DWELL_M / 2.0 } else { DWELL_M };
+        is_out = nalgebra::distance(place, middle) > if was_out { PUT_BACK_M / 2.0 } else { PUT_BACK_M };
         back.extend((was_out && !is_out).then_some(index));
     }
     let (first, last) = back.first().zip(back.last())?;

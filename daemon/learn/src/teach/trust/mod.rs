@@ -2,35 +2,64 @@
 //! be noticed here.
 //!
 //! A [`Doubt`] speaks against learning from the runs. It accuses nobody: it is a sentence with the figure and with what to do, and whoever
-//! knows better teaches all the same. What was not seen of a run ([`Blind`]) is not learnt, and the rest of the run is.
+//! knows better teaches all the same. What was not seen of a run ([`Blind`](super::Blind)) is not learnt, and the rest of the run is.
 
-mod blind;
-mod doubt;
 mod order;
 mod outlier;
-mod rate;
-mod summary;
 mod twice;
 
-pub use blind::Blind;
-pub use doubt::Doubt;
-pub use outlier::{Measure, Outlier};
-pub(super) use rate::too_few_frames;
-pub(super) use summary::summary;
+pub use outlier::Outlier;
 pub(super) use twice::without_copies;
 
 use super::options::TeachOptions;
 use super::sequence::Agreement;
+use crate::job_file::context_words;
+use crate::recording::object_name;
 use crate::run::Run;
+use andon_core::config::Method;
 use andon_core::dtw::Refused;
 
-/// Fewer runs than this cannot tell which of them is the odd one.
-const MIN_RUNS: usize = 4;
+/// The least frame rate of a run, as a share of that of the grid. Taught by five simulated people (three seeds) at 30 frames per second and
+/// thinned evenly, jobs from every second frame found 12 of 12 `J1` of other people, and jobs from every third frame 3 of 12: the motion is
+/// then measured in so few places that any motion is near it. The frames of a real camera come a little late now and then, hence not 0.5.
+const MIN_SHARE: f64 = 0.45;
 
-/// What stands out among the runs.
+/// What speaks against learning from the runs, and what to do about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Doubt {
+    /// What speaks against them, as a sentence without its full stop.
+    pub sentence: String,
+    /// What to do about it, as a sentence without its full stop.
+    pub remedy: String,
+    /// The demonstration that is not like the others, if it is about one.
+    pub outlier: Option<Outlier>,
+}
+
+impl Doubt {
+    fn new(sentence: String, remedy: String) -> Self {
+        Self { sentence, remedy, outlier: None }
+    }
+
+    /// That a demonstration is not like the others; `figures` says in what.
+    fn of(outlier: Outlier, figures: &str) -> Self {
+        let run = &outlier.run;
+        Self {
+            sentence: format!("{run} is not like the others: {figures}"),
+            remedy: format!(
+                "look at {run}: leave it out if it is not correct; if it is, show more runs like it"
+            ),
+            outlier: Some(outlier),
+        }
+    }
+}
+
+/// The names with the verb, in the singular for one of them.
+fn names(names: &[String], [has, have]: [&str; 2]) -> String {
+    format!("{} {}", names.join(", "), if names.len() == 1 { has } else { have })
+}
+
 #[derive(Debug, Default)]
 pub(super) struct Odd {
-    /// What speaks against learning from them.
     pub(super) doubts: Vec<Doubt>,
     /// Demonstrations that stand out where that changes nothing that the others prove: was it right?
     pub(super) questions: Vec<Outlier>,
@@ -38,20 +67,52 @@ pub(super) struct Odd {
     pub(super) pauses: Vec<Outlier>,
 }
 
+/// That runs have so few frames that their motion is not known.
+pub(super) fn too_few_frames(runs: &[Run], method: &Method) -> Option<Doubt> {
+    let [grid_hz, min_hz] = [1.0, MIN_SHARE].map(|share| share * f64::from(method.rate_hz));
+    let rates = runs.iter().map(|run| (run.name.clone(), run.captured_rate_hz()));
+    let (slow, rates): (Vec<String>, Vec<f64>) = rates.filter(|(_, rate)| *rate < min_hz).unzip();
+    let (least_hz, enough_hz) = (rates.into_iter().min_by(f64::total_cmp)?, 0.5 * grid_hz);
+    Some(Doubt::new(
+        format!(
+            "{} too few frames ({least_hz:.0} per second, {enough_hz:.0} are enough) to tell one motion from another",
+            names(&slow, ["has", "have"])
+        ),
+        format!(
+            "record at {enough_hz:.0} frames per second or more: more light for a shorter exposure, a faster camera or machine"
+        ),
+    ))
+}
+
+/// That so few runs agree that the job would be one that most of them do not show.
+fn few_agree(used: usize, runs: usize) -> Option<Doubt> {
+    let agree = if used == 1 { "agrees" } else { "agree" };
+    (2 * used < runs || used == 1 && runs > 1).then(|| {
+        Doubt::new(
+            format!("only {used} of {runs} runs {agree} in their steps"),
+            "look at the runs that were left out, below, and show at least as many again of the right kind"
+                .to_owned(),
+        )
+    })
+}
+
 /// What stands out among these runs, once it is known what they have in common.
 ///
 /// # Errors
 /// If an IU is too long to be compared.
 pub(super) fn odd_runs(runs: &[Run], agreement: &Agreement, options: &TeachOptions) -> Result<Odd, Refused> {
+    let words = |context| context_words(context, |id| object_name(&runs[0].objects, id));
     let kept = agreement.used_runs(runs);
-    let used = kept.len();
-    let few = (2 * used < runs.len() || used == 1 && runs.len() > 1)
-        .then_some(Doubt::FewAgree { used, runs: runs.len() });
     // Whoever says that the order does not matter has seen that it differs.
-    let order = if options.order_matters == Some(false) { None } else { order::odd_one(&kept, agreement) };
+    let has_order = options.order_matters != Some(false);
+    let order = has_order.then(|| order::odd_one(&kept, agreement, &words)).flatten();
     let (pauses, odd): (Vec<_>, Vec<_>) =
         outlier::of_runs(runs, agreement, options)?.into_iter().partition(|outlier| outlier.is_pause);
     let (odd, questions): (Vec<_>, Vec<_>) = odd.into_iter().partition(|outlier| outlier.is_law_of_others);
-    let doubts = few.into_iter().chain(order).chain(odd.into_iter().map(Doubt::Outlier)).collect();
+    let odd = odd.into_iter().map(|outlier| {
+        let figures = outlier.figures(&words);
+        Doubt::of(outlier, &figures)
+    });
+    let doubts = few_agree(kept.len(), runs.len()).into_iter().chain(order).chain(odd).collect();
     Ok(Odd { doubts, questions, pauses })
 }

@@ -1,14 +1,18 @@
 //! One run in another order than all others: either the order is free, or the run is not right.
 
-use super::{Doubt, MIN_RUNS};
+use super::Doubt;
 use crate::run::Run;
-use crate::teach::sequence::Agreement;
+use crate::teach::sequence::{Agreement, MIN_RUNS};
 use andon_core::couple::Context;
 use andon_core::input::Side;
 
 /// The run that does the steps of one hand that all runs have in another order than all others do, if there is exactly one. The order between two
 /// hands is no evidence: hands that work side by side begin now the one, now the other first.
-pub(super) fn odd_one(runs: &[&Run], agreement: &Agreement) -> Option<Doubt> {
+pub(super) fn odd_one(
+    runs: &[&Run],
+    agreement: &Agreement,
+    words: &dyn Fn(Context) -> String,
+) -> Option<Doubt> {
     if runs.len() < MIN_RUNS {
         return None;
     }
@@ -20,13 +24,17 @@ pub(super) fn odd_one(runs: &[&Run], agreement: &Agreement) -> Option<Doubt> {
         let odd = (0..orders.len()).find(|&odd| is_odd(&orders, odd))?;
         let usual = &orders[usize::from(odd == 0)];
         let at = orders[odd].iter().zip(usual).position(|(had, others)| had != others)?;
-        Some(Doubt::OtherOrder {
-            run: runs[odd].name.clone(),
-            others: runs.len() - 1,
-            place: at,
-            had: orders[odd][at],
-            usual: usual[at],
-        })
+        let (run, [had, theirs]) = (&runs[odd].name, [orders[odd][at], usual[at]].map(words));
+        Some(Doubt::new(
+            format!(
+                "{run} has another order than the {} others: its step {} begins with {had}, theirs with {theirs}",
+                runs.len() - 1,
+                at + 1
+            ),
+            format!(
+                "leave {run} out if it is not correct; if both orders are, say so with --order false or show more runs in that order"
+            ),
+        ))
     })
 }
 

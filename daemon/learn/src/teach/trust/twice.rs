@@ -3,10 +3,9 @@
 //! A film that was encoded again, turned, made larger or shifted in time is the same run, and so is a track file with noise on it. Two runs are the
 //! same where the hands do the same to a few millimetres all the time, after one is moved as a whole in time and on the bench.
 
-use super::Doubt;
+use super::{Doubt, names};
 use crate::run::Run;
 use andon_core::input::{Frame, Point, Side};
-use std::borrow::Cow;
 
 /// The hands of two recordings of one run are no farther apart than this in nine of ten instants, in metres. The shipped films encoded again, turned,
 /// enlarged, and with little data, are 1.5 to 3.7 mm apart; of two different runs of one person the nearest are 4 cm apart.
@@ -33,22 +32,27 @@ const FINE_NS: i64 = 5_000_000;
 /// A hand is between two frames where these are no farther apart.
 const MAX_GAP_NS: u64 = 250_000_000;
 
-/// The runs without those that show what an earlier one shows, and the names of these.
-pub(in crate::teach) fn without_copies(runs: &[Run]) -> (Cow<'_, [Run]>, Option<Doubt>) {
+/// Takes out the runs that show what an earlier one shows, and says so.
+pub(in crate::teach) fn without_copies(runs: &mut Vec<Run>) -> Option<Doubt> {
     let tracks: Vec<Tracks<'_>> = runs.iter().map(Tracks::of).collect();
-    let is_copy = |index: &usize| {
-        (0..*index).any(|earlier| {
-            runs[earlier].shows_the_same(&runs[*index]) || tracks[earlier].are_of_one_run(&tracks[*index])
+    let is_copy = |index: usize| {
+        (0..index).any(|earlier| {
+            runs[earlier].shows_the_same(&runs[index]) || tracks[earlier].are_of_one_run(&tracks[index])
         })
     };
-    let copies: Vec<usize> = (0..runs.len()).filter(is_copy).collect();
-    if copies.is_empty() {
-        return (Cow::Borrowed(runs), None);
-    }
-    let kept = (0..runs.len()).filter(|index| !copies.contains(index));
-    let names = copies.iter().map(|&index| runs[index].name.clone()).collect();
-    let doubt = Doubt::Twice { copies: names, runs: runs.len() - copies.len() };
-    (kept.map(|index| runs[index].clone()).collect(), Some(doubt))
+    let mut are_copies = (0..runs.len()).map(is_copy).collect::<Vec<bool>>().into_iter();
+    let copies =
+        runs.extract_if(.., |_| are_copies.next() == Some(true)).map(|run| run.name).collect::<Vec<_>>();
+    let different = match runs.len() {
+        1 => "is one different run".to_owned(),
+        count => format!("are {count} different runs"),
+    };
+    (!copies.is_empty()).then(|| {
+        Doubt::new(
+            format!("{} shown before: there {different} only", names(&copies, ["was", "were"])),
+            "give each recording once, and record more runs: 5 should be enough".to_owned(),
+        )
+    })
 }
 
 /// Where each hand is, frame by frame.
