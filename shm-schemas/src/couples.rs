@@ -17,22 +17,23 @@ wire! { "andon.HandCouple", 60;
         tips_m: [f32; 3],
         /// How far apart two positions of `o_j`, in the frame of `o_l` if there is one, may be by drift, in metres; 0 where that is not known.
         drift_m: f32,
-        /// `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]`; it means nothing without `MEASURED`.
+        /// `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]`; it means nothing where it was not measured.
         x_m: [i8; 7],
-        /// Bits of [`crate::flag`]: `MEASURED`, `CLEAR`, `DOUBTFUL`, `OBJECT_AMBIGUOUS`, `OBJECT_NEW`, `OBJECT_DISPLACED`.
-        flags: u8,
+        /// 1 where the motion was measured, else 0.
+        is_measured: u8,
         /// The visibility of the hand, of `o_j` and of `o_l`: 0 seen, 1 assumed, 2 unseen.
         visibility: [u8; 3],
         /// Whether the hand waits for the other one: 0 no, 1 not known, 2 yes.
         waiting: u8,
         /// The object because of which the frame does not show what the hand does, as it is hidden; 0 where there is none.
         hidden_object: u16,
-        /// Zero.
-        padding: u16,
+        /// What was not seen, one bit for each: 0 a frame, 1 the context in the frame itself, 2 whether it has changed, 3 which object the hand took,
+        /// 4 `o_j` or `o_l` up to just before this began, 5 how one of them came to where this began.
+        unseen: u16,
     }
 }
 
-wire! { "andon.Couples", 208;
+wire! { "andon.Couples", 272;
     /// The feature couples of both hands. The stamp names the newest frame that they depend on.
     struct Couples {
         /// The stamp.
@@ -43,17 +44,21 @@ wire! { "andon.Couples", 208;
         known_ns: u64,
         /// The hash of the job whose runs show where and how near its objects are met; 0 where there is none.
         model_hash: u64,
-        /// Bits of [`crate::flag`]: `END_OF_STREAM` (the couples then mean nothing), `PACED`, `CAPTURED`, `MOVED_UNSEEN`,
-        /// `CARRIED_UNSEEN`, `BENCH_HIDDEN`.
+        /// Bits of [`crate::flag`]: `END_OF_STREAM` (the couples then mean nothing), `PACED`.
         flags: u32,
-        /// The activities of that job that have not been done, one bit for each: a part that they move for good lies where the job begins.
-        undone: u32,
-        /// The activities of that job that use an object which has never been seen or not for longer than `blind_ms`, one bit for each.
+        /// What was not seen, one bit for each: 0 a frame at this instant, 6 who has moved an object that lies elsewhere than before, 7 the hand that
+        /// carries an object which moves, 8 any object, or one that lay in sight when a hand was seen last, or since.
+        unseen: u32,
+        /// The ids of the objects that are followed, ascending, then 0; in the sets below there is one bit for each, in this order.
+        objects: [u16; 32],
+        /// The objects that lie where that job begins.
+        at_start: u32,
+        /// The objects that have never been seen or not for longer than `blind_ms`.
         out_of_sight: u32,
-        /// One such object; 0 where there is none.
-        out_of_sight_object: u16,
-        /// Objects whose markers the newest frame shows twice; then 0.
-        twice_objects: [u16; 5],
+        /// The objects whose markers the newest frame shows twice.
+        twice: u32,
+        /// Zero.
+        padding: u32,
         /// The right hand, then the left hand.
         hands: [HandCouple; HANDS],
     }

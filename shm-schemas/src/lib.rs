@@ -72,28 +72,8 @@ pub mod flag {
     pub const END_OF_STREAM: u32 = 1;
     /// The source waits for its readers so that nothing is lost, and so does every role that sends what follows from it.
     pub const PACED: u32 = 1 << 1;
-    /// There was a frame at the instant that the couples describe; otherwise it was lost, or never taken.
-    pub const CAPTURED: u32 = 1 << 2;
-    /// An object lies elsewhere than before, and no hand was seen at it.
-    pub const MOVED_UNSEEN: u32 = 1 << 3;
-    /// An object moves at which no hand is seen.
-    pub const CARRIED_UNSEEN: u32 = 1 << 4;
-    /// No object is seen, or one is hidden that lay in sight when a hand was seen last, or since.
-    pub const BENCH_HIDDEN: u32 = 1 << 5;
     /// Of detections: the line was not watching when the frame was captured, and what they hold is no observation.
     pub const UNSEEN: u32 = 1 << 6;
-    /// The motion was measured.
-    pub const MEASURED: u8 = 1;
-    /// The frame itself shows the context.
-    pub const CLEAR: u8 = 1 << 1;
-    /// So little was seen that the context may be another one.
-    pub const DOUBTFUL: u8 = 1 << 2;
-    /// Flag of a couple: the hand may have taken another object than `o_j`.
-    pub const OBJECT_AMBIGUOUS: u8 = 1 << 3;
-    /// Flag of a couple: the hand may have acted on `o_j` and `o_l` before they were first seen.
-    pub const OBJECT_NEW: u8 = 1 << 4;
-    /// Flag of a couple: `o_j` or `o_l` had been hidden until just before, and was then seen elsewhere.
-    pub const OBJECT_DISPLACED: u8 = 1 << 5;
     /// The object was seen in this frame.
     pub const SEEN: u16 = 1;
     /// The object was hidden, and its pose is held by the hand that carries it.

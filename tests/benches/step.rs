@@ -51,6 +51,7 @@ fn measure(name: &str, alike: bool) -> serde_json::Value {
     let job = Job {
         activities: &activities,
         laws: &[],
+        objects: &[],
         passive_contacts: &[],
         cost: LocalCost::Circular { bins: 8 },
         max_slowdown: 2.0,

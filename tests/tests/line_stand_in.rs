@@ -9,7 +9,7 @@ use andon_tests::line::{Line, Modbus, PATIENCE, Sender, Settings, Watcher, stand
 use rustix::process::Signal;
 use shm_schemas::{
     ColourFormat, Couples, DepthFormat, Detections, FrameHeader, HandCouple, Health, Intrinsics, RoleId,
-    RoleState, Verdict, VerdictLevel, VerdictOutcome, flag,
+    RoleState, Verdict, VerdictLevel, VerdictOutcome,
 };
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -58,7 +58,7 @@ fn a_step_that_lasts_longer_than_can_be_compared_is_reported_and_not_judged() {
         encode.send(|message| {
             (message.described_ns, message.known_ns) = (frame * INTERVAL_NS, frame * INTERVAL_NS);
             message.model_hash = model_hash;
-            message.hands = [HandCouple { flags: flag::MEASURED | flag::CLEAR, ..HandCouple::default() }; 2];
+            message.hands = [HandCouple { is_measured: 1, ..HandCouple::default() }; 2];
             message.hands[usize::from(x_c[0]) - 1].x_c = x_c;
         });
         frame += 1;

@@ -141,6 +141,18 @@ pub struct NominalActivity<'a> {
     pub ius: &'a [NominalIu<'a>],
 }
 
+/// What a job does with one of its objects. Sets have the numbers of activities.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct JobObject {
+    /// Its id.
+    pub id: u16,
+    /// The activities in which a hand acts on it or on something that touches it.
+    pub used_by: ActivitySet,
+    /// The activities that move it away for good from where it lies at the beginning ([`ObjectShape::start`](crate::object::ObjectShape)).
+    /// While it lies there, none of them has been done.
+    pub moved_by: ActivitySet,
+}
+
 /// What the order of a job asks of one of its activities. Sets have the numbers of activities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Law {
@@ -190,6 +202,8 @@ pub struct Job<'a> {
     pub activities: &'a [NominalActivity<'a>],
     /// The law of each activity, by its number; one that has none is [`Law::FREE`].
     pub laws: &'a [Law],
+    /// What it does with its objects; with one that is not here, nothing.
+    pub objects: &'a [JobObject],
     /// The objects at which a hand was shown to rest or to steady: that is neither a step nor a note.
     pub passive_contacts: &'a [u16],
     /// How motions are compared.
@@ -212,6 +226,12 @@ impl Job<'_> {
     /// The law of the activity with this number.
     pub fn law(&self, activity: usize) -> Law {
         self.laws.get(activity).copied().unwrap_or(Law::FREE)
+    }
+
+    /// What it does with this object.
+    pub(crate) fn object(&self, id: u16) -> JobObject {
+        let nothing = JobObject { id, used_by: ActivitySet::EMPTY, moved_by: ActivitySet::EMPTY };
+        self.objects.iter().find(|object| object.id == id).copied().unwrap_or(nothing)
     }
 
     /// Whether other IUs may come between those of this nominal activity.

@@ -4,7 +4,6 @@ use crate::bounds::Around;
 use crate::capacity::{INTERACTION_POINTS, MEETINGS, OBJECTS};
 use crate::config::Contact;
 use crate::input::Point;
-use crate::set::ActivitySet;
 use heapless::Vec;
 
 /// No finger tip is farther from the middle of what it carries, in metres.
@@ -25,10 +24,9 @@ pub struct ObjectShape {
     pub incidental: Vec<u16, OBJECTS>,
     /// Its orientation means nothing, as that of a round part, and counts as that of the bench.
     pub is_position_only: bool,
-    /// Where it lies at the beginning of a job, if the runs of the job have shown it to lie there and nowhere near it afterwards.
-    pub start: Option<StartPlace>,
-    /// The activities of the job in which a hand acts on it or on something that touches it, by their numbers.
-    pub used_by: ActivitySet,
+    /// Where its position is in metres in the bench frame, in plane mode without z, at the beginning of a job, if the runs of the job have shown
+    /// it to lie there and nowhere near it afterwards.
+    pub start: Option<Around<3>>,
 }
 
 impl ObjectShape {
@@ -36,15 +34,6 @@ impl ObjectShape {
     pub fn has_points(&self) -> bool {
         self.interaction_points.iter().any(|point| *point != [0.0; 3])
     }
-}
-
-/// Where an object lies until the job moves it for good.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StartPlace {
-    /// The place of its position in metres in the bench frame; in plane mode without z.
-    pub place: Around<3>,
-    /// The activities that move it away, by their numbers. While it lies there, none of them has been done.
-    pub moved_by: ActivitySet,
 }
 
 /// Where and how near a hand or another object meets an object.

@@ -1,33 +1,47 @@
-//! Sets of activities.
+//! Sets of activities, of objects, and of what was not seen.
 
-use crate::capacity::ACTIVITIES;
+use crate::capacity::{ACTIVITIES, OBJECTS};
+use core::marker::PhantomData;
 use core::ops::{BitAnd, BitOr, BitOrAssign};
 
-// One bit per activity.
-const _: () = assert!(ACTIVITIES <= u32::BITS as usize);
+// One bit for each member.
+const _: () = assert!(ACTIVITIES == u32::BITS as usize && OBJECTS == ACTIVITIES);
 
-/// A set of activities, each given by its number in the job, or of nominal activities, each given by its index there. All are below
-/// [`ACTIVITIES`]; others are left out.
+/// What an [`ActivitySet`] consists of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ActivitySet(u32);
+pub struct Activities;
 
-impl ActivitySet {
+/// What an [`ObjectSet`] consists of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Objects;
+
+/// A set of activities, each given by its number in the job, or of nominal activities, each given by its index there.
+pub type ActivitySet = Set<Activities>;
+
+/// A set of objects, each given by its index among those that an encoder follows ([`Couples::objects`](crate::couple::Couples)).
+pub type ObjectSet = Set<Objects>;
+
+/// A set of numbers of one kind. All are below [`ACTIVITIES`] and [`OBJECTS`], which are equal; others are left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Set<Of>(u32, PhantomData<Of>);
+
+impl<Of: Copy> Set<Of> {
     /// The set without a member.
-    pub const EMPTY: Self = Self(0);
+    pub const EMPTY: Self = Self::from_bits(0);
 
-    /// The first `count` activities, at most [`ACTIVITIES`].
+    /// The first `count` numbers.
     pub fn first(count: usize) -> Self {
         (0..count).collect()
     }
 
-    /// The set of one activity.
-    pub const fn of(activity: usize) -> Self {
-        if activity < ACTIVITIES { Self(1 << activity) } else { Self::EMPTY }
+    /// The set of one number.
+    pub const fn of(number: usize) -> Self {
+        if number < ACTIVITIES { Self::from_bits(1 << number) } else { Self::EMPTY }
     }
 
     /// The set of which these are the bits, from the lowest number on.
     pub const fn from_bits(bits: u32) -> Self {
-        Self(bits)
+        Self(bits, PhantomData)
     }
 
     /// One bit for each member, from the lowest number on.
@@ -35,14 +49,20 @@ impl ActivitySet {
         self.0
     }
 
+    /// This set, if a condition holds, else none of it.
+    #[must_use]
+    pub const fn when(self, holds: bool) -> Self {
+        if holds { self } else { Self::EMPTY }
+    }
+
     /// Whether it has no member.
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }
 
-    /// Whether this activity is a member.
-    pub fn contains(self, activity: usize) -> bool {
-        self.intersects(Self::of(activity))
+    /// Whether this number is a member.
+    pub fn contains(self, number: usize) -> bool {
+        self.intersects(Self::of(number))
     }
 
     /// Whether the two sets have a member in common.
@@ -52,10 +72,16 @@ impl ActivitySet {
 
     /// The members of this set that are not in the other.
     pub fn without(self, other: Self) -> Self {
-        Self(self.0 & !other.0)
+        Self::from_bits(self.0 & !other.0)
     }
 
-    /// The members in the order of their indices.
+    /// Makes this number a member, or none.
+    pub(crate) fn set(&mut self, number: usize, is_member: bool) {
+        let one = Self::of(number);
+        *self = if is_member { *self | one } else { self.without(one) };
+    }
+
+    /// The members in ascending order.
     pub fn iter(self) -> impl Iterator<Item = usize> {
         let mut left = self.0;
         core::iter::from_fn(move || {
@@ -65,36 +91,36 @@ impl ActivitySet {
         })
     }
 
-    /// The member with the lowest index.
+    /// The lowest member.
     pub fn lowest(self) -> Option<usize> {
         self.iter().next()
     }
 }
 
-impl BitOr for ActivitySet {
+impl<Of: Copy> BitOr for Set<Of> {
     type Output = Self;
 
     fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
+        Self::from_bits(self.0 | other.0)
     }
 }
 
-impl BitAnd for ActivitySet {
+impl<Of: Copy> BitAnd for Set<Of> {
     type Output = Self;
 
     fn bitand(self, other: Self) -> Self {
-        Self(self.0 & other.0)
+        Self::from_bits(self.0 & other.0)
     }
 }
 
-impl BitOrAssign for ActivitySet {
+impl<Of: Copy> BitOrAssign for Set<Of> {
     fn bitor_assign(&mut self, other: Self) {
         *self = *self | other;
     }
 }
 
-impl FromIterator<usize> for ActivitySet {
+impl<Of: Copy> FromIterator<usize> for Set<Of> {
     fn from_iter<I: IntoIterator<Item = usize>>(members: I) -> Self {
-        members.into_iter().fold(Self::EMPTY, |set, activity| set | Self::of(activity))
+        members.into_iter().fold(Self::EMPTY, |set, number| set | Self::of(number))
     }
 }

@@ -4,7 +4,7 @@
 mod common;
 
 use andon_core::config::{Contact, Method};
-use andon_core::couple::{Context, Couples, Encoder, Refused};
+use andon_core::couple::{Context, Couples, Encoder, Refused, Unseen};
 use andon_core::input::{Frame, Hand, Object, Point, Side};
 use andon_core::object::ObjectShape;
 use andon_core::segment::{Event, JobSegmenter};
@@ -175,7 +175,7 @@ proptest! {
         for (index, (couples, frame)) in couples.iter().zip(&frames).enumerate() {
             prop_assert!(couples.captured_ns.abs_diff(frame.captured_ns) < PERIOD_NS / 100);
             prop_assert_eq!(couples.hands[0].is_hand_seen(), kept.contains(&index));
-            prop_assert_eq!(couples.is_captured, kept.contains(&index));
+            prop_assert_eq!(!couples.lacks(Unseen::FRAME), kept.contains(&index));
             prop_assert!(couples.hands[0].is_in_sight());
         }
     }

@@ -71,6 +71,7 @@ static JOB: LazyLock<Job<'static>> = LazyLock::new(|| {
     Job {
         activities: nominal.leak(),
         laws: &IN_ORDER,
+        objects: &[],
         passive_contacts: &[],
         cost,
         max_slowdown: 2.0,

@@ -5,10 +5,9 @@ mod common;
 
 use andon_core::bounds::Around;
 use andon_core::config::{Contact, Method};
-use andon_core::couple::{Context, Couples, Encoder, Refused, Unusable, Waiting};
+use andon_core::couple::{Context, Couples, Encoder, Refused, Unseen, Unusable, Waiting};
 use andon_core::input::{Frame, Object, Side};
-use andon_core::object::{Meeting, StartPlace};
-use andon_core::set::ActivitySet;
+use andon_core::object::Meeting;
 use common::bench::{Bench, contexts, encode, encode_shapes, shapes};
 
 const TOOL: u16 = 5;
@@ -110,7 +109,7 @@ fn what_a_hand_does_that_came_unseen_is_in_doubt_until_it_is_known_whether_it_ho
     let couples = encode(&bench.ids(), &bench.frames);
     let first = couples.iter().position(|couples| couples.hands[0].context.is_touch()).unwrap();
     assert!((40..=45).contains(&first), "{first}");
-    assert!(couples[40..first].iter().all(|couples| couples.hands[0].is_doubtful));
+    assert!(couples[40..first].iter().all(|couples| couples.hands[0].lacks(Unseen::CHANGE)));
 }
 
 #[test]
@@ -242,7 +241,7 @@ fn a_hand_that_leaves_the_picture_in_contact_keeps_it_and_is_out_of_sight_after_
     let out_of_sight: Vec<usize> = (0..80).filter(|frame| !couples[*frame].hands[0].is_in_sight()).collect();
     assert_eq!(out_of_sight, (41..80).collect::<Vec<_>>());
     assert!(couples[19].hands[0].is_hand_seen() && !couples[20].hands[0].is_hand_seen());
-    assert!(couples[60].hands[0].is_doubtful && !couples[10].hands[0].is_doubtful);
+    assert!(couples[60].hands[0].lacks(Unseen::CHANGE) && !couples[10].hands[0].lacks(Unseen::CHANGE));
 }
 
 #[test]
@@ -254,7 +253,7 @@ fn an_object_that_moves_while_its_holder_is_unseen_is_held() {
     }
     let couples = encode(&bench.ids(), &bench.frames);
     assert_eq!(contexts(&couples, Side::Right), [([1, TOOL, 0, 0], 67)]);
-    assert!(couples.iter().all(|couples| !couples.has_moved_unseen));
+    assert!(couples.iter().all(|couples| !couples.lacks(Unseen::MOVER)));
 }
 
 #[test]
@@ -262,12 +261,12 @@ fn an_object_that_moves_without_any_hand_has_moved_unseen() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.5, 0.0])]);
     bench.hand(Side::Right, [-0.3, -0.3]).rest(20).leave(Side::Right).rest(60);
     let lies_still = encode(&bench.ids(), &bench.frames);
-    assert!(lies_still.iter().all(|couples| !couples.has_moved_unseen));
+    assert!(lies_still.iter().all(|couples| !couples.lacks(Unseen::MOVER)));
     for frame in &mut bench.frames[50..] {
         frame.objects[0].position[0] += 0.1;
     }
     let couples = encode(&bench.ids(), &bench.frames);
-    let moved: Vec<usize> = (0..80).filter(|frame| couples[*frame].has_moved_unseen).collect();
+    let moved: Vec<usize> = (0..80).filter(|frame| couples[*frame].lacks(Unseen::MOVER)).collect();
     // It may be misread for as long as a change takes to be believed.
     assert_eq!(moved, [55]);
 }
@@ -277,7 +276,10 @@ fn what_a_hand_carries_that_is_not_seen_is_not_what_is_exchanged_between_two_fra
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.5, 0.0])]);
     bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.4, 0.0], 60).rest(40);
     let is_carried = |frames: &[Frame]| {
-        encode(&bench.ids(), frames).iter().map(|couples| couples.is_carried_unseen).collect::<Vec<bool>>()
+        encode(&bench.ids(), frames)
+            .iter()
+            .map(|couples| couples.lacks(Unseen::CARRIER))
+            .collect::<Vec<bool>>()
     };
     assert!(is_carried(&bench.frames).iter().all(|is_carried| !is_carried), "the hand is seen");
     let mut frames = bench.frames.clone();
@@ -335,7 +337,7 @@ fn a_hidden_hand_moves_with_what_it_holds() {
     }
     // It is not seen all the same.
     let couples = encode(&bench.ids(), &frames);
-    assert!(couples[30..42].iter().all(|couples| !couples.hands[0].is_clear));
+    assert!(couples[30..42].iter().all(|couples| couples.hands[0].lacks(Unseen::CONTEXT)));
 }
 
 #[test]
@@ -463,7 +465,7 @@ fn of_a_long_gap_only_the_beginning_is_filled_until_the_hand_is_out_of_sight() {
     assert_eq!(max, blind_frames + 2);
     assert_eq!(couples.len(), 40 + blind_frames + 1);
     assert_eq!(couples.iter().filter(|couples| !couples.hands[0].is_in_sight()).count(), 1);
-    assert_eq!(couples.iter().filter(|couples| !couples.is_captured).count(), blind_frames + 1);
+    assert_eq!(couples.iter().filter(|couples| couples.lacks(Unseen::FRAME)).count(), blind_frames + 1);
     // The hand is where it was: its contact goes on.
     assert_eq!(contexts(&couples, Side::Right), [([1, TOOL, 0, 0], couples.len() - 3)]);
     assert!(couples.windows(2).all(|pair| pair[0].captured_ns < pair[1].captured_ns));
@@ -545,31 +547,30 @@ fn the_orientation_of_a_part_that_turns_without_meaning_changes_nothing() {
 }
 
 #[test]
-fn an_object_that_lies_where_the_job_begins_shows_what_has_not_been_done() {
+fn an_object_that_has_not_been_moved_lies_where_the_job_begins() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
     bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.4, 0.0], 30).rest(40);
     let mut shapes = shapes(&[TOOL]);
-    let (place, moved_by) = (Around { centre: [0.0; 3], max: 0.03 }, ActivitySet::of(2));
-    shapes[0].start = Some(StartPlace { place, moved_by });
-    let undone_in = |frames: &[Frame]| -> Vec<usize> {
+    shapes[0].start = Some(Around { centre: [0.0; 3], max: 0.03 });
+    let at_start_in = |frames: &[Frame]| -> Vec<usize> {
         let couples = encode_shapes(&shapes, frames);
-        (0..couples.len()).filter(|frame| couples[*frame].undone == moved_by).collect()
+        (0..couples.len()).filter(|frame| !couples[*frame].at_start.is_empty()).collect()
     };
-    let last = *undone_in(&bench.frames).last().unwrap();
+    let last = *at_start_in(&bench.frames).last().unwrap();
     assert!((20..30).contains(&last), "{last}");
     let hide = |frames: &mut [Frame]| frames.iter_mut().for_each(|frame| frame.objects.clear());
     hide(&mut bench.frames[5..80]);
     // The hand acts on it.
-    assert_eq!(undone_in(&bench.frames), (0..5).collect::<Vec<_>>());
+    assert_eq!(at_start_in(&bench.frames), (0..5).collect::<Vec<_>>());
     let mut away = Bench::new(&[(TOOL, [0.0, 0.0])]);
     away.hand(Side::Right, [0.5, 0.0]).rest(80);
     hide(&mut away.frames[5..]);
     // It is not known for longer than 700 ms where the object lies.
-    assert_eq!(undone_in(&away.frames), (0..26).collect::<Vec<_>>());
+    assert_eq!(at_start_in(&away.frames), (0..26).collect::<Vec<_>>());
     // What is only carried past the place does not lie there.
     let mut past = Bench::new(&[(TOOL, [-0.3, 0.0])]);
     past.hand(Side::Right, [-0.3, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.3, 0.0], 30).rest(20);
-    assert_eq!(undone_in(&past.frames), []);
+    assert_eq!(at_start_in(&past.frames), []);
     hide(&mut past.frames[36..60]);
-    assert_eq!(undone_in(&past.frames), []);
+    assert_eq!(at_start_in(&past.frames), []);
 }

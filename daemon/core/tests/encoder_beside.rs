@@ -4,6 +4,7 @@
 mod common;
 
 use andon_core::config::{Contact, Method};
+use andon_core::couple::Unseen;
 use andon_core::input::Side;
 use common::bench::{Bench, contexts, encode, errors};
 
@@ -50,7 +51,7 @@ fn first_seen_beside(distance_m: f32) -> (Vec<[u16; 4]>, bool) {
     bench.hand(Side::Right, [-0.02, -0.3]).rest(10).go([-0.02, 0.0], 20).rest(12);
     bench.hold(Side::Right, TOOL).go([-0.2, 0.1], 30).rest(10);
     let couples = encode(&bench.ids(), &bench.frames);
-    let is_doubtful = couples.iter().any(|couples| couples.hands[0].is_doubtful);
+    let is_doubtful = couples.iter().any(|couples| couples.hands[0].lacks(Unseen::CHANGE));
     (just_contexts(&bench), is_doubtful)
 }
 
@@ -69,6 +70,10 @@ fn parts_that_touch_and_were_hidden_between_the_distances_of_a_contact_are_known
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.034, 0.0])]);
     bench.hand(Side::Right, [-0.03, 0.0]).rest(20).hide(BOX).rest(8).show(BOX).rest(20);
     let couples = encode(&bench.ids(), &bench.frames);
-    assert!(couples[36..].iter().all(|couples| couples.hands[0].is_clear && !couples.hands[0].is_doubtful));
+    assert!(
+        couples[36..].iter().all(
+            |couples| !couples.hands[0].lacks(Unseen::CONTEXT) && !couples.hands[0].lacks(Unseen::CHANGE)
+        )
+    );
     assert_eq!(couples[36].hands[0].context.0, [1, TOOL, TOOL, BOX]);
 }

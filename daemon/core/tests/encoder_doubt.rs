@@ -3,10 +3,8 @@
 
 mod common;
 
-use andon_core::couple::{Couple, Visibility};
+use andon_core::couple::{Couple, Unseen, Visibility};
 use andon_core::input::{Frame, Side};
-use andon_core::object::ObjectShape;
-use andon_core::set::ActivitySet;
 use common::bench::{Bench, encode, encode_shapes, shapes};
 
 const TOOL: u16 = 5;
@@ -52,8 +50,9 @@ fn two_that_are_seen_as_they_pass_each_other_may_touch_if_they_came_together_uns
     hide_all(&mut frames[20..97]);
     let passing = at_box(&frames);
     // What they do until then may be the way to each other, so neither position nor motion is measured.
-    let is_in_doubt =
-        |couple: &Couple| couple.is_doubtful && couple.position.is_none() && couple.motion.is_none();
+    let is_in_doubt = |couple: &Couple| {
+        couple.lacks(Unseen::CHANGE) && couple.position.is_none() && couple.motion.is_none()
+    };
     assert!(!passing.is_empty() && passing.iter().all(is_in_doubt), "{passing:?}");
 }
 
@@ -66,7 +65,7 @@ fn a_part_that_was_last_seen_to_leave_or_to_meet_another_one_may_have_done_so() 
     let is_at_box = |couple: &Couple| couple.context.0[3] == BOX;
     let couples = couples_of(&bench, Side::Right);
     let left = couples.iter().rposition(is_at_box).unwrap() + 1;
-    assert!((resting..resting + 20).contains(&left) && !couples[left].is_doubtful, "{left}");
+    assert!((resting..resting + 20).contains(&left) && !couples[left].lacks(Unseen::CHANGE), "{left}");
     // Nothing is seen from the second frame in which they are apart on, or are beside each other.
     let met = couples.iter().position(is_at_box).unwrap();
     for (changed, was_at_box) in [(left, true), (met, false)] {
@@ -74,7 +73,7 @@ fn a_part_that_was_last_seen_to_leave_or_to_meet_another_one_may_have_done_so() 
         hide_all(&mut frames[changed + 2..]);
         let couples = couples_in(&bench, &frames, Side::Right);
         assert!(couples[changed - 1..=changed].iter().all(|couple| is_at_box(couple) == was_at_box));
-        assert_eq!([changed - 1, changed].map(|frame| couples[frame].is_doubtful), [false, true]);
+        assert_eq!([changed - 1, changed].map(|frame| couples[frame].lacks(Unseen::CHANGE)), [false, true]);
     }
 }
 
@@ -84,7 +83,7 @@ fn a_part_that_slows_down_behind_another_one_has_passed_it_whatever_frames_are_m
     bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.28, 0.0], 24).rest(20);
     let at_box = |frames: &[Frame]| {
         let couples = couples_in(&bench, frames, Side::Right).into_iter();
-        couples.filter(|couple| couple.context.0[3] == BOX && !couple.is_doubtful).count()
+        couples.filter(|couple| couple.context.0[3] == BOX && !couple.lacks(Unseen::CHANGE)).count()
     };
     assert_eq!(at_box(&bench.frames), 0);
     for missing in 0..1024u32 {
@@ -106,7 +105,10 @@ fn a_part_that_is_let_go_where_the_other_one_was_hidden_may_not_touch_it_any_mor
     bench.hide(BOX).go([0.3, 0.0], 15).let_go(Side::Right).show(BOX).go([0.3, -0.3], 15).rest(20);
     let couples = couples_of(&bench, Side::Right);
     let released: Vec<&Couple> = couples.iter().filter(|couple| couple.context.is_release()).collect();
-    assert!(!released.is_empty() && released.iter().all(|couple| couple.is_doubtful), "{released:?}");
+    assert!(
+        !released.is_empty() && released.iter().all(|couple| couple.lacks(Unseen::CHANGE)),
+        "{released:?}"
+    );
 }
 
 #[test]
@@ -143,7 +145,7 @@ fn a_hand_that_comes_to_what_the_other_one_holds_may_not_have_taken_it_if_that_i
     for holds in [true, false] {
         let begun = couples_with(holds, usize::MAX).iter().position(is_at_tool).unwrap();
         let couple = couples_with(holds, begun + 3)[begun];
-        assert!(is_at_tool(&couple) && couple.is_doubtful == holds, "{couple:?}");
+        assert!(is_at_tool(&couple) && couple.lacks(Unseen::CHANGE) == holds, "{couple:?}");
     }
 }
 
@@ -160,7 +162,7 @@ fn what_a_seen_hand_carries_unseen_is_not_in_a_hand_that_is_seen_with_something_
         // The box comes to within a hand's breadth of the tool, but not to it.
         bench.hide(BOX).carry([Some([0.3, 0.2]), Some([0.14, 0.2])], 20);
         let couples = couples_of(&bench, Side::Right);
-        assert_eq!(couples[hidden..].iter().all(|couple| couple.is_clear), !is_tool_hidden);
+        assert_eq!(couples[hidden..].iter().all(|couple| !couple.lacks(Unseen::CONTEXT)), !is_tool_hidden);
     }
 }
 
@@ -205,7 +207,11 @@ fn a_hand_beside_parts_that_neither_touch_nor_are_apart_is_clear() {
     // The box lies between the two distances of a contact.
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.038, 0.0]), (CUP, [-0.02, 0.0])]);
     bench.hand(Side::Right, [-0.3, 0.0]).rest(20).go([-0.02, 0.0], 20).rest(60);
-    assert!(couples_of(&bench, Side::Right).iter().all(|couple| couple.is_clear && !couple.is_doubtful));
+    assert!(
+        couples_of(&bench, Side::Right)
+            .iter()
+            .all(|couple| !couple.lacks(Unseen::CONTEXT) && !couple.lacks(Unseen::CHANGE))
+    );
 }
 
 #[test]
@@ -217,7 +223,7 @@ fn a_hand_that_takes_a_part_may_touch_what_is_hidden_at_its_other_end() {
     let couples = encode_shapes(&shapes, &bench.frames);
     let mut touches =
         couples.iter().map(|couples| couples.hands[0]).filter(|couple| couple.context.is_touch());
-    assert!(touches.clone().count() > 10 && touches.all(|couple| !couple.is_clear));
+    assert!(touches.clone().count() > 10 && touches.all(|couple| couple.lacks(Unseen::CONTEXT)));
 }
 
 #[test]
@@ -245,8 +251,10 @@ fn a_part_that_vanishes_as_it_moves_may_have_been_given_by_a_hand_that_has_not_b
     for missing in [None, Some(54), Some(55), Some(56)] {
         let mut frames = bench.frames.clone();
         missing.into_iter().for_each(|missing: usize| frames[missing].objects.clear());
-        let clear: Vec<bool> =
-            encode(&bench.ids(), &frames).iter().map(|couples| couples.hands[0].is_clear).collect();
+        let clear: Vec<bool> = encode(&bench.ids(), &frames)
+            .iter()
+            .map(|couples| !couples.hands[0].lacks(Unseen::CONTEXT))
+            .collect();
         assert!(clear[..54].iter().all(|is_clear| *is_clear), "without frame {missing:?}");
         assert!(clear[60..].iter().all(|is_clear| !is_clear), "without frame {missing:?}");
     }
@@ -258,7 +266,7 @@ fn a_part_that_vanishes_as_it_moves_may_have_been_given_by_a_hand_that_has_not_b
         frame.hands[1].wrist[1] -= 0.5;
     }
     let couples = encode(&bench.ids(), &slides);
-    assert!(couples.iter().all(|couples| couples.hands[0].is_clear));
+    assert!(couples.iter().all(|couples| !couples.hands[0].lacks(Unseen::CONTEXT)));
 }
 
 #[test]
@@ -279,7 +287,7 @@ fn an_object_that_is_first_seen_in_the_hand_may_have_been_there_before() {
     bench.hide(TOOL).hand(Side::Right, [0.0, 0.0]).rest(20).show(TOOL).rest(20);
     bench.go([0.3, 0.0], 20).rest(20);
     for couple in couples_of(&bench, Side::Right) {
-        assert_eq!(couple.is_object_new, couple.context.0[1] == TOOL, "{couple:?}");
+        assert_eq!(couple.lacks(Unseen::ARRIVAL), couple.context.0[1] == TOOL, "{couple:?}");
     }
 }
 
@@ -289,7 +297,7 @@ fn an_object_that_is_first_seen_at_a_hand_that_holds_another_one_may_be_what_it_
         let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (CUP, cup)]);
         bench.hide(CUP).hand(Side::Right, [0.0, 0.0]).rest(30).hold(Side::Right, TOOL).rest(20);
         bench.show(CUP).rest(20);
-        couples_of(&bench, Side::Right).last().unwrap().is_object_ambiguous
+        couples_of(&bench, Side::Right).last().unwrap().lacks(Unseen::TAKING)
     };
     assert_eq!([[0.0, 0.02], [0.0, 0.3]].map(is_object_ambiguous), [true, false]);
 }
@@ -299,9 +307,9 @@ fn an_object_that_is_first_seen_at_what_the_hand_holds_may_have_been_touched_bef
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.01, 0.0])]);
     bench.hide(BOX).hand(Side::Right, [0.3, 0.0]).rest(20).go([0.0, 0.0], 20).rest(20).show(BOX).rest(20);
     let couples = couples_of(&bench, Side::Right);
-    assert!(couples.iter().any(|couple| couple.is_object_new));
+    assert!(couples.iter().any(|couple| couple.lacks(Unseen::ARRIVAL)));
     for couple in couples {
-        assert_eq!(couple.is_object_new, couple.context.0[3] == BOX, "{couple:?}");
+        assert_eq!(couple.lacks(Unseen::ARRIVAL), couple.context.0[3] == BOX, "{couple:?}");
     }
 }
 
@@ -314,12 +322,12 @@ fn a_part_of_which_too_few_frames_come_is_carried_although_no_hand_is_known_to_h
     for (every, is_carried) in [(1, false), (3, false), (8, true), (12, true)] {
         let frames: Vec<Frame> = bench.frames.iter().step_by(every).cloned().collect();
         let couples = encode(&bench.ids(), &frames);
-        assert_eq!(couples.iter().any(|couples| couples.is_carried_unseen), is_carried, "1 of {every}");
+        assert_eq!(couples.iter().any(|couples| couples.lacks(Unseen::CARRIER)), is_carried, "1 of {every}");
     }
     // It is only elsewhere after a gap.
     let (before, after) = (&bench.frames[..30], &bench.frames[70..]);
     let couples = encode(&bench.ids(), &[before, after].concat());
-    assert!(!couples.iter().any(|couples| couples.is_carried_unseen));
+    assert!(!couples.iter().any(|couples| couples.lacks(Unseen::CARRIER)));
 }
 
 #[test]
@@ -338,7 +346,7 @@ fn a_part_that_was_hidden_longer_than_the_hand_and_is_then_elsewhere_has_moved_u
                 object.position[0] = 0.2;
             }
         }
-        encode(&bench.ids(), &frames).iter().filter(|couples| couples.has_moved_unseen).count()
+        encode(&bench.ids(), &frames).iter().filter(|couples| couples.lacks(Unseen::MOVER)).count()
     };
     assert_eq!(moved(true), 1);
     assert_eq!(moved(false), 0, "a hand was seen all the time");
@@ -350,7 +358,7 @@ fn a_bench_is_hidden_where_a_part_vanishes_without_a_hand_but_not_because_one_li
     bench.hand(Side::Right, [0.3, 0.0]).rest(20).hide(BOX).rest(40).leave(Side::Right).rest(20);
     let hidden = |frames: &[Frame]| -> Vec<usize> {
         let couples = encode(&bench.ids(), frames);
-        (0..couples.len()).filter(|frame| couples[*frame].is_bench_hidden).collect()
+        (0..couples.len()).filter(|frame| couples[*frame].lacks(Unseen::BENCH)).collect()
     };
     assert_eq!(hidden(&bench.frames), []);
     let mut frames = bench.frames.clone();
@@ -371,8 +379,8 @@ fn a_hand_that_was_last_seen_to_move_away_may_have_let_go_before() {
     hide_all(&mut bench.frames[44..60]);
     let couples = couples_of(&bench, Side::Right);
     // One frame that is hidden is enough.
-    assert!(couples[40..42].iter().all(|couple| couple.context.is_touch() && couple.is_doubtful));
-    assert!(couples[3..38].iter().all(|couple| !couple.is_doubtful));
+    assert!(couples[40..42].iter().all(|couple| couple.context.is_touch() && couple.lacks(Unseen::CHANGE)));
+    assert!(couples[3..38].iter().all(|couple| !couple.lacks(Unseen::CHANGE)));
 }
 
 #[test]
@@ -384,7 +392,7 @@ fn a_hand_that_was_last_seen_to_move_along_a_part_may_have_let_go_of_it() {
     let mut shapes = shapes(&bench.ids());
     shapes[0].interaction_points.push([0.02, 0.0, 0.0]).unwrap();
     let couples = encode_shapes(&shapes, &bench.frames);
-    let is_doubtful = |frame: usize| couples[frame].hands[0].is_doubtful;
+    let is_doubtful = |frame: usize| couples[frame].hands[0].lacks(Unseen::CHANGE);
     assert!(couples[41].hands[0].context.is_touch() && is_doubtful(40) && is_doubtful(41));
     assert!(!is_doubtful(30));
 }
@@ -427,7 +435,7 @@ fn an_object_that_was_moved_while_it_was_hidden_may_have_been_used_until_a_hand_
     let couples = couples_of(&bench, Side::Right);
     let began = |pair: &&[Couple]| !pair[0].context.is_touch() && pair[1].context.is_touch();
     let touches: Vec<bool> =
-        couples.windows(2).filter(began).map(|pair| pair[1].is_object_displaced).collect();
+        couples.windows(2).filter(began).map(|pair| pair[1].lacks(Unseen::MOVE)).collect();
     assert_eq!(touches, [true, false]);
 }
 
@@ -444,7 +452,7 @@ fn a_part_that_was_moved_while_it_was_hidden_is_so_for_both_hands_that_are_at_it
     }
     for side in Side::ALL {
         let couples = couples_of(&bench, side);
-        assert!(couples.iter().any(|couple| couple.is_object_displaced), "{side:?}");
+        assert!(couples.iter().any(|couple| couple.lacks(Unseen::MOVE)), "{side:?}");
     }
 }
 
@@ -463,7 +471,7 @@ fn what_is_seen_apart_from_a_hand_that_has_let_go_is_not_what_it_took() {
     let is_object_ambiguous = |is_release: bool| -> Vec<bool> {
         let all = couples.iter().filter(|couple| couple.context.0[2] == TOOL && couple.context.0[3] == BOX);
         all.filter(|couple| couple.context.is_release() == is_release)
-            .map(|couple| couple.is_object_ambiguous)
+            .map(|couple| couple.lacks(Unseen::TAKING))
             .collect()
     };
     let (held, released) = (is_object_ambiguous(false), is_object_ambiguous(true));
@@ -472,14 +480,12 @@ fn what_is_seen_apart_from_a_hand_that_has_let_go_is_not_what_it_took() {
 }
 
 #[test]
-fn the_activities_of_an_object_are_out_of_sight_until_it_is_seen_and_when_it_is_hidden_for_long() {
+fn an_object_is_out_of_sight_until_it_is_seen_and_when_it_is_hidden_for_long() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.5, 0.3])]);
     bench.hide(TOOL).hand(Side::Right, [-0.3, 0.0]).rest(10).show(TOOL).rest(10).hide(TOOL).rest(40);
-    let used = |shape: ObjectShape| ObjectShape { used_by: ActivitySet::of(usize::from(shape.id)), ..shape };
-    let shapes: Vec<ObjectShape> = shapes(&bench.ids()).into_iter().map(used).collect();
-    let couples = encode_shapes(&shapes, &bench.frames);
+    let couples = encode(&bench.ids(), &bench.frames);
     let hidden: Vec<usize> = (0..60).filter(|frame| !couples[*frame].out_of_sight.is_empty()).collect();
     // `blind_ms` are 21 frames.
     assert_eq!(hidden, (0..10).chain(41..60).collect::<Vec<_>>());
-    assert_eq!(couples[0].out_of_sight, ActivitySet::of(TOOL.into()));
+    assert_eq!(couples[0].ids(couples[0].out_of_sight).collect::<Vec<_>>(), [TOOL]);
 }

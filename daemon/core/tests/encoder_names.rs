@@ -3,7 +3,7 @@
 
 mod common;
 
-use andon_core::couple::{Couple, Visibility};
+use andon_core::couple::{Couple, Unseen, Visibility};
 use andon_core::input::{Frame, Side};
 use common::bench::{Bench, encode};
 
@@ -34,7 +34,9 @@ fn strokes() -> Bench {
 #[test]
 fn a_frame_in_which_nobody_watched_is_one_that_never_came() {
     let bench = strokes();
-    let seen = |couples: &Couple| (couples.context, couples.visibility, couples.motion, couples.is_doubtful);
+    let seen = |couples: &Couple| {
+        (couples.context, couples.visibility, couples.motion, couples.lacks(Unseen::CHANGE))
+    };
     let mut unseen = bench.frames.clone();
     unseen[50..70].iter_mut().for_each(|frame| frame.is_unseen = true);
     let missing = [&bench.frames[..50], &bench.frames[70..]].concat();

@@ -4,7 +4,7 @@
 mod common;
 
 use andon_core::config::Method;
-use andon_core::couple::Couples;
+use andon_core::couple::{Couples, Unseen};
 use andon_core::input::{Frame, Side};
 use andon_core::segment::{Event, Segmenter};
 use common::bench::{Bench, contexts, encode, errors};
@@ -57,7 +57,7 @@ fn what_lies_still_and_is_seen_inexactly_is_not_carried_by_a_hand_that_is_not_se
         let mut bench = Bench::new(&[(TOOL, [0.3, 0.2]), (BOX, [-0.3, 0.2])]);
         bench.hand(Side::Right, [0.0, -0.3]).rest(200);
         let couples = seen_inexactly(bench, DEVIATION_M, seed);
-        assert!(couples.iter().all(|couples| !couples.is_carried_unseen), "seed {seed}");
+        assert!(couples.iter().all(|couples| !couples.lacks(Unseen::CARRIER)), "seed {seed}");
     }
 }
 
@@ -70,7 +70,7 @@ fn what_lies_still_and_drifts_is_not_carried_by_a_hand_that_is_not_seen() {
         let mut bench = Bench::new(&[(TOOL, [0.3, 0.2]), (BOX, [-0.3, 0.2])]);
         bench.hand(Side::Right, [0.0, -0.3]).rest(200);
         let couples = seen_with_errors(bench, 2.0 * DEVIATION_M, KEPT, seed);
-        assert!(couples.iter().all(|couples| !couples.is_carried_unseen), "seed {seed}");
+        assert!(couples.iter().all(|couples| !couples.lacks(Unseen::CARRIER)), "seed {seed}");
     }
 }
 
@@ -107,7 +107,7 @@ fn what_moves_and_is_seen_inexactly_is_carried_by_a_hand_that_is_not_seen() {
         bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.3, 0.0], 30).rest(20);
         bench.frames.iter_mut().for_each(|frame| frame.hands.clear());
         let couples = seen_inexactly(bench, DEVIATION_M, seed);
-        assert!(couples.iter().any(|couples| couples.is_carried_unseen), "seed {seed}");
+        assert!(couples.iter().any(|couples| couples.lacks(Unseen::CARRIER)), "seed {seed}");
     }
 }
 
@@ -118,7 +118,7 @@ fn what_is_misread_for_some_frames_is_not_carried_by_a_hand_that_is_not_seen() {
         bench.hand(Side::Right, [0.0, -0.3]).rest(100);
         bench.frames[50..50 + misread].iter_mut().for_each(|frame| frame.objects[0].position[0] += 0.01);
         let couples = seen_inexactly(bench, 0.1 * DEVIATION_M, misread as u32);
-        assert!(couples.iter().all(|couples| !couples.is_carried_unseen), "misread in {misread} frames");
+        assert!(couples.iter().all(|couples| !couples.lacks(Unseen::CARRIER)), "misread in {misread} frames");
     }
 }
 

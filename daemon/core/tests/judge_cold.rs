@@ -5,16 +5,17 @@ mod common;
 
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
-use andon_core::couple::{Couples, Visibility};
+use andon_core::couple::{Couples, Unseen, Visibility};
 use andon_core::job::{Job, Law};
 use andon_core::set::ActivitySet;
-use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
+use common::script::{Part, Still, Toward, idle, objects_of, part, short, stream, teach};
 use common::work::{IN_ORDER, away, bring, measure, polish, polish_and_measure};
 
 /// The verdicts of a judge that did not see what came before, on a bench that shows these activities not to have been done.
 fn judged_cold(job: &Job<'_>, parts: &[Part], undone: impl Fn(usize) -> ActivitySet) -> Vec<String> {
     let couples = stream(parts, &[]).into_iter().enumerate();
-    let couples = couples.map(|(frame, couples)| Couples { undone: undone(frame), ..couples }).collect();
+    let couples =
+        couples.map(|(frame, couples)| Couples { at_start: objects_of(undone(frame)), ..couples }).collect();
     judged_cold_by(job, couples)
 }
 
@@ -51,7 +52,8 @@ fn a_hand_that_was_hidden_is_named_even_where_nobody_saw_what_came_before() {
     }
     for couples in &mut couples[15..25] {
         let hand = &mut couples.hands[0];
-        (hand.visibility[0], hand.is_clear) = (Visibility::Assumed, false);
+        hand.visibility[0] = Visibility::Assumed;
+        hand.unseen |= Unseen::CONTEXT;
     }
     let said = judged_cold_by(&job, couples);
     assert_eq!(said[0], "r0.0 NotJudged HandNotSeen!");
@@ -153,7 +155,7 @@ fn a_job_begins_with_its_first_step_although_a_hand_steadied_something_before() 
     let job = polish_and_measure();
     let right = [&[idle(120)][..], &polish(6), &measure()].concat();
     let mut couples = stream(&right, &[idle(60), part([2, 5, 5, 6], 20, Still), idle(20)]);
-    couples[105].has_moved_unseen = true;
+    couples[105].unseen |= Unseen::MOVER;
     assert_eq!(judged_cold_by(&job, couples).last().unwrap(), "JobOk", "the next piece is put in place");
 }
 
@@ -161,7 +163,7 @@ fn a_job_begins_with_its_first_step_although_a_hand_steadied_something_before() 
 fn elsewhere_at_first(is_object_new: bool) -> Vec<String> {
     let mut couples = stream(&[idle(30), part([1, 5, 5, 3], 10, Still), idle(20)], &[]);
     for couples in &mut couples {
-        couples.hands[0].is_object_new = is_object_new && couples.hands[0].context.is_touch();
+        couples.hands[0].unseen |= Unseen::ARRIVAL.when(is_object_new && couples.hands[0].context.is_touch());
     }
     judged_cold_by(&polish_and_measure(), couples)
 }
@@ -183,7 +185,7 @@ fn what_is_wrong_after_a_part_was_first_seen_is_found() {
     wrong[2] = wrong[0];
     let mut couples = stream(&[&[idle(30)][..], &wrong].concat(), &[]);
     for couples in &mut couples {
-        couples.hands[0].is_object_new = couples.hands[0].context.0[3] != 0;
+        couples.hands[0].unseen |= Unseen::ARRIVAL.when(couples.hands[0].context.0[3] != 0);
     }
     let verdicts = judged_cold_by(&polish_and_measure(), couples);
     assert!(verdicts.contains(&"r0.2 IuAnomaly Motion!".to_owned()), "{verdicts:?}");
@@ -201,8 +203,8 @@ fn a_hand_that_was_idle_before_a_doubt_may_have_ended_what_was_hidden() {
     for (frame, couples) in couples[ended + 10..ended + 55].iter_mut().enumerate() {
         // Single frames in the first half second, and then many.
         let is_missing = frame % 10 == 9 || frame > 30;
-        couples.hands[0].is_clear &= !is_missing;
-        couples.hands[0].is_doubtful |= frame > 30;
+        couples.hands[0].unseen |= Unseen::CONTEXT.when(is_missing);
+        couples.hands[0].unseen |= Unseen::CHANGE.when(frame > 30);
     }
     let verdicts = judged_cold_by(&job, couples);
     assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");

@@ -5,7 +5,7 @@ mod common;
 
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
-use andon_core::couple::{Couples, Visibility};
+use andon_core::couple::{Couple, Couples, Unseen, Visibility};
 use andon_core::job::Job;
 use andon_core::verdict::{Level, Outcome, Reason};
 use common::bench::PERIOD_NS;
@@ -46,7 +46,7 @@ fn a_pause_without_hands_does_not_end_the_job_while_the_bench_stays_as_it_is() {
 fn a_pause_without_hands_ends_the_job_after_idle_end_ms_if_the_bench_was_rearranged() {
     let right = [&polish(6)[..], &[away(300)]].concat();
     let mut couples = stream(&right, &[]);
-    couples[250].has_moved_unseen = true;
+    couples[250].unseen |= Unseen::MOVER;
     let verdicts = judged(&polish_and_measure(), &couples);
     let job = verdicts.last().unwrap();
     // The brick may have been measured while no hand was seen.
@@ -70,19 +70,19 @@ fn measured_after_a_pause_with(frames: Range<usize>, change: impl Fn(&mut Couple
 fn a_pause_shows_the_start_of_a_job_unless_a_hand_that_was_not_seen_has_carried_something_before() {
     assert_eq!(measured_after_a_pause(|_| ()), "JobAnomaly NotCompleted");
     assert_eq!(
-        measured_after_a_pause(|couples| couples.has_moved_unseen = true),
+        measured_after_a_pause(|couples| couples.unseen |= Unseen::MOVER),
         "JobAnomaly NotCompleted",
         "the next piece is put in place"
     );
     assert_eq!(
-        measured_after_a_pause(|couples| couples.is_carried_unseen = true),
+        measured_after_a_pause(|couples| couples.unseen |= Unseen::CARRIER),
         "NotJudged BeginningNotSeen"
     );
 }
 
 #[test]
 fn a_pause_shows_the_start_of_a_job_only_while_the_bench_is_in_sight() {
-    let hidden = |frames| measured_after_a_pause_with(frames, |couples| couples.is_bench_hidden = true);
+    let hidden = |frames| measured_after_a_pause_with(frames, |couples| couples.unseen |= Unseen::BENCH);
     assert_eq!(hidden(0..170), "JobAnomaly NotCompleted", "4 s of it were in sight");
     assert_eq!(hidden(200..205), "JobAnomaly NotCompleted", "too short a time to do anything");
     for frames in [0..300, 0..200, 200..300, 200..220] {
@@ -94,11 +94,11 @@ fn a_pause_shows_the_start_of_a_job_only_while_the_bench_is_in_sight() {
 fn a_job_in_which_objects_moved_without_a_hand_is_not_right() {
     let right = [polish(6), measure()].concat();
     let mut couples = stream(&right, &[]);
-    couples[170].has_moved_unseen = true;
+    couples[170].unseen |= Unseen::MOVER;
     let verdicts = judged(&polish_and_measure(), &couples);
     assert_eq!(short(verdicts.last().unwrap()), "NotJudged HandNotSeen");
-    couples[170].has_moved_unseen = false;
-    couples.last_mut().unwrap().has_moved_unseen = true;
+    couples[170].unseen = couples[170].unseen.without(Unseen::MOVER);
+    couples.last_mut().unwrap().unseen |= Unseen::MOVER;
     let verdicts = judged(&polish_and_measure(), &couples);
     assert_eq!(short(verdicts.last().unwrap()), "JobOk", "the next piece is put in place");
 }
@@ -137,7 +137,7 @@ fn after_a_fault_the_next_job_is_right() {
             let mut couples = stream(&[&right[..], fault, &right, &right].concat(), &[]);
             let fault_frames: usize = right.iter().chain(fault).map(|part| part.frames).sum();
             // The parts of the next piece are put in place.
-            couples[fault_frames - 1].has_moved_unseen = true;
+            couples[fault_frames - 1].unseen |= Unseen::MOVER;
             let verdicts = judged(&job, &couples);
             let fault_ends = fault_frames as u64 * PERIOD_NS;
             let later = verdicts.iter().filter(|verdict| verdict.began_ns >= fault_ends);
@@ -205,7 +205,11 @@ fn ius_that_may_have_happened_out_of_sight_are_no_anomaly() {
 
 /// The couples of a camera of which only every n-th frame was processed.
 fn thinned(couples: &[Couples], count: usize) -> Vec<Couples> {
-    let of = |(index, couples): (usize, &Couples)| Couples { is_captured: index % count == 0, ..*couples };
+    let of = |(index, couples): (usize, &Couples)| {
+        let unseen = Unseen::FRAME.when(index % count != 0);
+        let hands = couples.hands.map(|couple| Couple { unseen: couple.unseen | unseen, ..couple });
+        Couples { unseen: couples.unseen | unseen, hands, ..*couples }
+    };
     couples.iter().enumerate().map(of).collect()
 }
 
@@ -253,7 +257,7 @@ fn a_job_that_breaks_off_anywhere_accuses_nobody() {
 fn assume(couples: &mut [Couples], what: usize) {
     for couples in couples {
         couples.hands[0].visibility[what] = Visibility::Assumed;
-        couples.hands[0].is_clear = false;
+        couples.hands[0].unseen |= Unseen::CONTEXT;
     }
 }
 
@@ -264,10 +268,10 @@ fn taken_in_doubt(is_object_ambiguous: bool) -> Vec<String> {
     let mut couples = stream(&right, &[]);
     assume(&mut couples[15..25], 1);
     for couples in &mut couples[15..25] {
-        couples.hands[0].is_doubtful = true;
+        couples.hands[0].unseen |= Unseen::CHANGE;
     }
     for couples in &mut couples[20..128] {
-        couples.hands[0].is_object_ambiguous = is_object_ambiguous;
+        couples.hands[0].unseen |= Unseen::TAKING.when(is_object_ambiguous);
     }
     judged(&polish_and_measure(), &couples).iter().map(short).collect()
 }
@@ -291,10 +295,12 @@ fn what_is_done_with_an_object_beside_which_another_one_was_first_seen_accuses_n
     let verdicts = |is_object_ambiguous: bool, is_new: bool| -> Vec<String> {
         let right = [vec![idle(20)], polish(3).to_vec(), measure().to_vec()].concat();
         let mut couples = stream(&right, &[]);
-        couples[22..30].iter_mut().for_each(|couples| couples.hands[0].is_object_new = is_new);
+        couples[22..30]
+            .iter_mut()
+            .for_each(|couples| couples.hands[0].unseen |= Unseen::ARRIVAL.when(is_new));
         couples[20..128]
             .iter_mut()
-            .for_each(|couples| couples.hands[0].is_object_ambiguous = is_object_ambiguous);
+            .for_each(|couples| couples.hands[0].unseen |= Unseen::TAKING.when(is_object_ambiguous));
         judged(&polish_and_measure(), &couples).iter().map(short).collect()
     };
     for (is_object_ambiguous, is_new) in [(true, false), (false, true)] {
@@ -342,7 +348,7 @@ fn used_unseen_until(frame: usize) -> Vec<String> {
     let all = [vec![idle(20), taken, idle(20)], measure().to_vec()].concat();
     let mut couples = stream(&all, &[]);
     for couples in &mut couples[15..frame] {
-        (couples.hands[0].is_clear, couples.hands[0].is_doubtful) = (false, true);
+        couples.hands[0].unseen |= Unseen::CONTEXT | Unseen::CHANGE;
     }
     judged(&polish_and_measure(), &couples).iter().map(short).collect()
 }

@@ -6,9 +6,8 @@ mod common;
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
 use andon_core::job::Job;
-use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Verdict};
-use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
+use common::script::{Part, Still, Toward, idle, object, part, short, stream, teach};
 use common::work::{IN_ORDER, judged, measure};
 
 const SHOWN: u16 = 5;
@@ -115,7 +114,7 @@ fn a_step_of_which_an_object_was_never_seen_blames_no_part() {
     let mut couples = stream(&parts, &[]);
     let taken = couples.len() - measure().iter().map(|part| part.frames).sum::<usize>();
     for couples in &mut couples[..taken + 20] {
-        (couples.out_of_sight, couples.out_of_sight_object) = (ActivitySet::of(1), OTHER);
+        couples.out_of_sight = object(OTHER);
     }
     let verdicts: Vec<String> = judged(&in_order(), &couples).iter().map(short).collect();
     assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");

@@ -12,7 +12,7 @@ use andon_core::segment::Segmenter;
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Measure, Measured, Outcome, Verdict};
 use common::bench::PERIOD_NS;
-use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
+use common::script::{Part, Still, Toward, idle, objects_of, part, short, stream, teach};
 use common::work::{IN_ORDER, forgiving, judged, measure, polish, polish_and_measure};
 use std::f32::consts::PI;
 
@@ -223,7 +223,7 @@ fn a_touch_that_begins_no_step_accuses_no_job_although_the_bench_shows_that_noth
     for part in [5, 6] {
         let touch = [common::script::part([1, part, 0, 0], 20, Still), idle(300)];
         let mut couples = stream(&touch, &[]);
-        couples.iter_mut().for_each(|couples| couples.undone = ActivitySet::first(2));
+        couples.iter_mut().for_each(|couples| couples.at_start = objects_of(ActivitySet::first(2)));
         let verdicts = judged(&moving(), &couples);
         let is_accused = verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly);
         assert!(!is_accused, "{:?}", verdicts.iter().map(short).collect::<Vec<_>>());

@@ -3,11 +3,11 @@
 
 mod common;
 
-use andon_core::couple::{Context, Couple, Couples, Visibility};
+use andon_core::couple::{Context, Couple, Couples, Unseen, Visibility};
 use andon_core::job::Job;
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome, Verdict};
-use common::script::{idle, short, stream};
+use common::script::{idle, objects_of, short, stream};
 use common::work::{IN_ORDER, away, judged, measure, polish, polish_and_measure};
 
 #[test]
@@ -36,7 +36,8 @@ fn a_step_is_not_too_short_where_a_frame_shortly_before_it_was_missing() {
         let mut couples = stream(&[polish(6), parts].concat(), &[]);
         if let Some(missing) = missing {
             let hand = &mut couples[begins - missing].hands[0];
-            (hand.visibility[0], hand.is_clear) = (Visibility::Assumed, false);
+            hand.visibility[0] = Visibility::Assumed;
+            hand.unseen |= Unseen::CONTEXT;
         }
         judged(&polish_and_measure(), &couples).iter().any(|verdict| verdict.outcome == Outcome::Anomaly)
     };
@@ -54,7 +55,7 @@ fn with_a_restart(job: &Job<'_>, whole: &[Couples], first: usize) -> Vec<Verdict
         couples
             .hands
             .iter_mut()
-            .for_each(|hand| (hand.visibility[0], hand.is_clear) = (Visibility::Seen, true));
+            .for_each(|hand| (hand.visibility[0], hand.unseen) = (Visibility::Seen, Unseen::CHANGE));
     }
     judged(job, &left)
 }
@@ -78,7 +79,7 @@ fn an_encoder_that_starts_again_knows_only_the_parts_that_it_sees() {
     let (first, end) = (170, whole.len() - 15);
     // The meter is hidden until the brick has been measured.
     for couples in &mut whole[first..end] {
-        couples.out_of_sight = ActivitySet::of(1);
+        couples.out_of_sight = objects_of(ActivitySet::of(1));
         let context = &mut couples.hands[0].context;
         *context =
             if context.is_release() { Context::IDLE } else { Context([context.0[0], context.0[1], 0, 0]) };
@@ -100,9 +101,9 @@ fn an_encoder_that_starts_again_knows_only_the_parts_that_it_sees() {
 fn a_pause_shows_no_start_while_an_encoder_that_starts_again_has_not_seen_what_was_hidden_before() {
     let said = |is_hidden: bool, is_out_of_sight: bool| {
         let mut couples = stream(&[&[away(300)][..], &measure(), &[idle(20)]].concat(), &[]);
-        couples[20..66].iter_mut().for_each(|couples| couples.is_bench_hidden = is_hidden);
+        couples[20..66].iter_mut().for_each(|couples| couples.unseen |= Unseen::BENCH.when(is_hidden));
         for couples in &mut couples[66..299] {
-            couples.out_of_sight = if is_out_of_sight { ActivitySet::of(0) } else { ActivitySet::EMPTY };
+            couples.out_of_sight = objects_of(ActivitySet::first(is_out_of_sight.into()));
         }
         couples.drain(60..66);
         short(judged(&polish_and_measure(), &couples).last().unwrap())
@@ -121,9 +122,9 @@ fn what_lies_where_it_lay_after_couples_were_missing_for_long_may_be_that_of_the
     let frames: usize = polish(6).iter().map(|part| part.frames).sum();
     let next = couples.len() - frames;
     // The brick lies where it lay until it is measured, and so does that of the next piece.
-    couples.iter_mut().for_each(|couples| couples.undone = ActivitySet::of(1));
+    couples.iter_mut().for_each(|couples| couples.at_start = objects_of(ActivitySet::of(1)));
     for couples in &mut couples[next - 10..next] {
-        couples.undone = ActivitySet::first(2);
+        couples.at_start = objects_of(ActivitySet::first(2));
     }
     couples.drain(frames - 15..next - 8);
     let verdicts = judged(&job, &couples);
@@ -140,13 +141,13 @@ fn what_uses_a_part_that_was_never_seen_accuses_nobody_and_what_does_not_is_stil
     wrong.push(idle(40));
     let outcome = |out_of_sight: ActivitySet| {
         let mut couples = stream(&wrong, &[]);
-        couples.iter_mut().for_each(|couples| couples.out_of_sight = out_of_sight);
+        couples.iter_mut().for_each(|couples| couples.out_of_sight = objects_of(out_of_sight));
         judged(&job, &couples).last().unwrap().outcome
     };
     assert_eq!(outcome(ActivitySet::EMPTY), Outcome::Anomaly);
     assert_eq!(outcome(ActivitySet::of(0)), Outcome::NotJudged);
     // One frame that shows it is enough.
     let mut couples = stream(&wrong, &[]);
-    couples[10..].iter_mut().for_each(|couples| couples.out_of_sight = ActivitySet::of(0));
+    couples[10..].iter_mut().for_each(|couples| couples.out_of_sight = objects_of(ActivitySet::of(0)));
     assert_eq!(judged(&job, &couples).last().unwrap().outcome, Outcome::Anomaly);
 }

@@ -8,7 +8,7 @@ mod common;
 
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
-use andon_core::couple::{Context, Couple, Couples, Visibility};
+use andon_core::couple::{Context, Couple, Couples, Unseen, Visibility};
 use andon_core::job::{Job, Law};
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{Outcome, Verdict};
@@ -137,7 +137,7 @@ fn hidden(couples: &[Couples], gaps: &[Gap]) -> Vec<Couples> {
             unseen = if known[frame] { 0 } else { unseen + 1 };
             couples.hands[hand] = assumed(&raw[frame], believed, unseen, is_doubtful);
             // The part is seen to move without a hand.
-            couples.is_carried_unseen |= unseen > 0 && raw[frame].context.is_touch();
+            couples.unseen |= Unseen::CARRIER.when(unseen > 0 && raw[frame].context.is_touch());
         }
     }
     left
@@ -174,8 +174,7 @@ fn assumed(raw: &Couple, context: Context, unseen: usize, is_doubtful: bool) -> 
             1..=BLIND => [Visibility::Assumed, Visibility::Seen, Visibility::Seen],
             _ => [Visibility::Unseen, Visibility::Seen, Visibility::Seen],
         },
-        is_clear: unseen == 0,
-        is_doubtful: is_doubtful || unseen > BLIND,
+        unseen: Unseen::CONTEXT.when(unseen > 0) | Unseen::CHANGE.when(is_doubtful || unseen > BLIND),
         ..*raw
     }
 }
@@ -185,7 +184,7 @@ fn seen(couples: &[Couples]) -> Vec<Couples> {
     let mut couples = couples.to_vec();
     for couples in &mut couples {
         for couple in &mut couples.hands {
-            (couple.visibility, couple.is_clear, couple.is_doubtful) = ([Visibility::Seen; 3], true, false);
+            (couple.visibility, couple.unseen) = ([Visibility::Seen; 3], Unseen::EMPTY);
         }
     }
     couples

@@ -5,7 +5,7 @@ mod common;
 
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
-use andon_core::couple::{Context, Couples, Motion, Visibility};
+use andon_core::couple::{Context, Couples, Motion, Unseen, Visibility};
 use andon_core::input::Side;
 use andon_core::job::{Job, Law, NominalActivity, NominalIu};
 use andon_core::verdict::{Level, Note, Outcome, Reason, Verdict};
@@ -273,7 +273,7 @@ proptest! {
         for from in blind {
             for couples in couples.iter_mut().skip(from).take(frames) {
                 couples.hands[0].visibility[0] = Visibility::Unseen;
-                (couples.hands[0].is_clear, couples.hands[0].is_doubtful) = (false, true);
+                couples.hands[0].unseen |= Unseen::CONTEXT | Unseen::CHANGE;
             }
         }
         let verdicts = judged(&job(), &couples);

@@ -5,13 +5,11 @@ mod common;
 
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
-use andon_core::couple::Visibility;
+use andon_core::couple::{Unseen, Visibility};
 use andon_core::input::Frame;
-use andon_core::object::ObjectShape;
-use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use common::bench::{Bench, encode_shapes, shapes};
-use common::script::stream;
+use common::script::{object, stream};
 use common::work::{measure, polish, polish_and_measure};
 
 const POLISHER: u16 = 5;
@@ -24,12 +22,12 @@ fn judged(twice: &[(core::ops::Range<usize>, u16)], at_start_of_job: bool) -> Ve
     for couples in &mut couples[40..110] {
         let couple = &mut couples.hands[0];
         couple.visibility[1] = Visibility::Unseen;
-        (couple.is_clear, couple.is_doubtful, couple.hidden_object) = (false, true, POLISHER);
+        couple.unseen |= Unseen::CONTEXT | Unseen::CHANGE;
+        couple.hidden_object = POLISHER;
     }
     for (frames, object) in twice {
         for couples in &mut couples[frames.clone()] {
-            let mut places = couples.twice_objects.iter_mut();
-            *places.find(|place| **place == 0).unwrap() = *object;
+            couples.twice |= self::object(*object);
         }
     }
     let job = polish_and_measure();
@@ -84,24 +82,25 @@ fn of_two_markers_that_are_in_view_twice_at_once_the_one_that_was_missing_is_nam
 }
 
 #[test]
-fn a_frame_says_up_to_the_couples_which_marker_of_the_job_it_shows_twice() {
+fn a_frame_says_up_to_the_couples_which_markers_it_shows_twice() {
     let mut bench = Bench::new(&[(POLISHER, [0.0, 0.025]), (SPARE, [0.3, 0.0]), (METER, [0.3, 0.3])]);
     bench.rest(30);
-    let shapes: Vec<ObjectShape> = shapes(&bench.ids())
-        .into_iter()
-        .map(|shape| ObjectShape { used_by: ActivitySet::first((shape.id != SPARE).into()), ..shape })
-        .collect();
-    let twice_in = |ids: &[u16]| {
+    let twice_in = |ids: &[u16]| -> Vec<u16> {
         let show = |frame: &Frame| Frame { twice: ids.iter().copied().collect(), ..frame.clone() };
         let frames: Vec<Frame> = bench.frames.iter().map(show).collect();
-        let mut objects = encode_shapes(&shapes, &frames).into_iter().map(|couples| couples.twice_objects);
+        let all = encode_shapes(&shapes(&bench.ids()), &frames);
+        let mut objects = all.iter().map(|couples| couples.ids(couples.twice).collect());
         let first = objects.next().unwrap();
-        assert!(objects.all(|objects| objects == first));
+        assert!(objects.all(|objects: Vec<u16>| objects == first));
         first
     };
-    assert_eq!(twice_in(&[]), [0; 5]);
-    assert_eq!(twice_in(&[POLISHER]), [POLISHER, 0, 0, 0, 0]);
-    assert_eq!(twice_in(&[SPARE]), [0; 5], "the job does not use it");
-    assert_eq!(twice_in(&[SPARE, POLISHER]), [POLISHER, 0, 0, 0, 0]);
-    assert_eq!(twice_in(&[METER, POLISHER]), [METER, POLISHER, 0, 0, 0]);
+    assert_eq!(twice_in(&[]), []);
+    assert_eq!(twice_in(&[POLISHER]), [POLISHER]);
+    assert_eq!(twice_in(&[POLISHER, METER]), [METER, POLISHER]);
+}
+
+#[test]
+fn a_marker_of_no_part_of_the_job_is_no_reason() {
+    let spare = reasons(&judged(&[(40..110, SPARE)], true));
+    assert_eq!(spare, reasons(&judged(&[], true)));
 }

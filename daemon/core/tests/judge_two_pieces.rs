@@ -3,7 +3,7 @@
 
 mod common;
 
-use andon_core::couple::{Couples, Visibility};
+use andon_core::couple::{Couples, Unseen, Visibility};
 use andon_core::job::{Job, Law};
 use andon_core::verdict::Level;
 use common::script::{Part, idle, short, stream};
@@ -13,10 +13,10 @@ use common::work::{IN_ORDER, away, judged, measure, polish, polish_and_measure};
 fn unwatched(parts: &[Part], hidden: core::ops::Range<usize>) -> Vec<Couples> {
     let mut couples = stream(parts, &[]);
     for couples in &mut couples[hidden] {
-        (couples.is_captured, couples.is_bench_hidden) = (false, true);
+        couples.unseen |= Unseen::FRAME | Unseen::BENCH;
         for couple in &mut couples.hands {
             couple.visibility[0] = Visibility::Unseen;
-            (couple.is_clear, couple.is_doubtful) = (false, true);
+            couple.unseen |= Unseen::FRAME | Unseen::CONTEXT | Unseen::CHANGE;
         }
     }
     couples
@@ -74,7 +74,7 @@ fn a_hand_that_is_never_seen_gets_one_verdict_for_all_that_it_carries() {
     let parts = [&polish(6)[..], &measure(), &[away(900)]].concat();
     let mut couples = stream(&parts, &[]);
     let carried = couples.len() - 700;
-    couples[carried..carried + 400].iter_mut().for_each(|couples| couples.is_carried_unseen = true);
+    couples[carried..carried + 400].iter_mut().for_each(|couples| couples.unseen |= Unseen::CARRIER);
     let verdicts = judged(&polish_and_measure(), &couples);
     let jobs: Vec<String> =
         verdicts.iter().filter(|verdict| verdict.level == Level::Job).map(short).collect();

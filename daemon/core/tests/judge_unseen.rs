@@ -3,9 +3,10 @@
 
 mod common;
 
+use andon_core::couple::Unseen;
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome};
-use common::script::{Part, idle, short, stream, teach};
+use common::script::{Part, idle, objects_of, short, stream, teach};
 use common::work::{away, bring, jobs, judged, measure, polish, polish_and_measure};
 
 /// The verdicts on pieces of which a part is brought to the table and back. Of the second piece only the way back is seen. While the hand is not
@@ -17,7 +18,7 @@ fn second_half_after(is_carried_unseen: bool) -> Vec<String> {
     let pieces = [&whole[..], &[idle(30), away(70), idle(90)], &bring(2, 3, 5)].concat();
     let mut couples = stream(&pieces, &[]);
     for couples in &mut couples[frames + 50..frames + 80] {
-        couples.is_carried_unseen = is_carried_unseen;
+        couples.unseen |= Unseen::CARRIER.when(is_carried_unseen);
     }
     judged(&job, &couples).iter().map(short).filter(|verdict| !verdict.starts_with('r')).collect()
 }
@@ -34,7 +35,7 @@ fn what_was_carried_unseen_before_a_pause_ends_a_job_may_go_on_after_it() {
     let job = teach(&[&[to_table, back].concat()]);
     let mut couples = stream(&[&to_table[..2], &[away(200), idle(60)], &back].concat(), &[]);
     for couples in &mut couples[60..90] {
-        (couples.is_carried_unseen, couples.has_moved_unseen) = (true, true);
+        couples.unseen |= Unseen::CARRIER | Unseen::MOVER;
     }
     let verdicts = judged(&job, &couples);
     assert!(verdicts.iter().all(|verdict| verdict.outcome != Outcome::Anomaly), "{verdicts:?}");
@@ -44,15 +45,15 @@ fn what_was_carried_unseen_before_a_pause_ends_a_job_may_go_on_after_it() {
 fn a_piece_of_which_no_hand_was_seen_is_not_judged() {
     let job = polish_and_measure();
     let mut couples = stream(&[away(300)], &[]);
-    couples[30..120].iter_mut().for_each(|couples| couples.is_carried_unseen = true);
+    couples[30..120].iter_mut().for_each(|couples| couples.unseen |= Unseen::CARRIER);
     let said = jobs(&job, &couples);
     assert_eq!(said, ["began in frame 30", "NotJudged HandNotSeen"]);
     assert_eq!(jobs(&job, &couples[..150]), said, "the recording ends");
-    couples.iter_mut().for_each(|couples| couples.undone = ActivitySet::first(2));
+    couples.iter_mut().for_each(|couples| couples.at_start = objects_of(ActivitySet::first(2)));
     assert_eq!(jobs(&job, &couples), said, "what lies where it lay may have been brought back");
     // The next piece comes at once.
     let mut couples = stream(&[&[away(100)][..], &polish(6), &measure()].concat(), &[]);
-    couples[30..95].iter_mut().for_each(|couples| couples.is_carried_unseen = true);
+    couples[30..95].iter_mut().for_each(|couples| couples.unseen |= Unseen::CARRIER);
     assert_eq!(jobs(&job, &couples), ["began in frame 100", "NotJudged HandNotSeen", "JobOk"]);
 }
 
@@ -67,7 +68,7 @@ fn an_activity_that_must_have_ended_unseen_swallows_no_other_piece() {
     let hidden = Part { seen: false, frames: 100, ..to_table[3] };
     let mut couples = stream(&[&to_table[..], &[hidden], &to_table, &back, &to_table, &back].concat(), &[]);
     for couples in &mut couples {
-        couples.hands[1].is_clear = true;
+        couples.hands[1].unseen = couples.hands[1].unseen.without(Unseen::CONTEXT);
     }
     let verdicts = judged(&job, &couples);
     let verdicts: Vec<_> = verdicts.iter().map(short).filter(|verdict| !verdict.starts_with('r')).collect();
@@ -84,7 +85,7 @@ fn what_a_hand_already_holds_may_have_been_at_a_part_before_that_was_first_seen(
         let seen = Part { frames: 30, ..stroke };
         let mut couples = stream(&[grasp, hidden, seen, carry, end], &[]);
         for couple in couples.iter_mut().map(|couples| &mut couples.hands[0]) {
-            couple.is_object_new = is_object_new && couple.context.is_pair();
+            couple.unseen |= Unseen::ARRIVAL.when(is_object_new && couple.context.is_pair());
         }
         judged(&polish_and_measure(), &couples).iter().map(short).collect::<Vec<_>>()
     };
@@ -99,8 +100,8 @@ fn a_job_is_not_right_with_what_may_belong_to_the_next_piece() {
     let said = |undone: ActivitySet, is_seen: bool| -> String {
         let mut couples = stream(&[&polish(6)[..], &[idle(90)], &measure()].concat(), &[]);
         // Something that lay on the bench at first does not any more, so it is not set as it was.
-        couples[..2].iter_mut().for_each(|couples| couples.undone = ActivitySet::first(2));
-        couples[first + 80..].iter_mut().for_each(|couples| couples.undone = undone);
+        couples[..2].iter_mut().for_each(|couples| couples.at_start = objects_of(ActivitySet::first(2)));
+        couples[first + 80..].iter_mut().for_each(|couples| couples.at_start = objects_of(undone));
         // For less time than anybody needs to end the piece and to begin another one.
         if !is_seen {
             couples.drain(first + 5..first + 35);

@@ -5,13 +5,11 @@ use crate::job_file::JobFile;
 use crate::recording::{self, NamedObject, Recording, TrackError, Truncation};
 use crate::statistics::{median, noise_m};
 use andon_core::anomaly::{self, Judge};
-use andon_core::capacity::ACTIVITIES;
 use andon_core::config::Method;
 use andon_core::couple::{self, Context, Couples, Encoder, Motion};
 use andon_core::input::{Frame, Point, Side};
 use andon_core::object::ObjectShape;
 use andon_core::segment::{Event, JobSegmenter, Measures};
-use andon_core::set::ActivitySet;
 use andon_core::verdict::Verdict;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -185,12 +183,7 @@ impl Run {
     }
 
     fn encoded(self) -> Result<Self, RunError> {
-        // No job has said which activities use an object, so each may.
-        let shape = |object: &NamedObject| ObjectShape {
-            used_by: ActivitySet::first(ACTIVITIES),
-            ..object.shape.clone()
-        };
-        let shapes: Vec<ObjectShape> = self.objects.iter().map(shape).collect();
+        let shapes: Vec<ObjectShape> = self.objects.iter().map(|object| object.shape.clone()).collect();
         let couples = self
             .encode(self.frames.iter(), &shapes, &self.method)
             .map_err(|unusable| self.unusable(unusable))?;
@@ -300,8 +293,7 @@ impl Run {
     /// # Errors
     /// If these cannot be used.
     pub fn couples_for(&self, job: &JobFile) -> Result<Cow<'_, [Couples]>, RunError> {
-        let is_all_in_sight = || self.couples.iter().all(|couples| couples.out_of_sight.is_empty());
-        if self.method == job.method && self.objects == job.objects && is_all_in_sight() {
+        if self.method == job.method && self.objects == job.objects {
             return Ok(Cow::Borrowed(&self.couples));
         }
         let encoded = self.encode(self.frames.iter(), &job.shapes(), &job.method);

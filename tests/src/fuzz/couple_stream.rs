@@ -9,9 +9,9 @@ use andon_core::config::Method;
 use andon_core::couple::{Context, Couple, Couples, Encoder, Motion, Visibility, Waiting};
 use andon_core::dtw::OnlineDtw;
 use andon_core::input::{Frame, Hand, Object, Side, Space};
-use andon_core::job::{Job, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu, Shown};
-use andon_core::object::{ObjectShape, StartPlace};
-use andon_core::set::ActivitySet;
+use andon_core::job::{Job, JobObject, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu, Shown};
+use andon_core::object::ObjectShape;
+use andon_core::set::{ActivitySet, ObjectSet};
 
 /// Number of objects that the bytes can refer to.
 const KNOWN: u8 = 6;
@@ -47,8 +47,23 @@ pub fn couple_stream(bytes: &[u8]) {
     let min_captured = input.below(3) as f32 / 2.0;
     let has_free_ends = input.below(2) == 0;
     let (activities, laws) = (&activities, &laws);
-    let job =
-        Job { activities, laws, passive_contacts: &[6], cost, max_slowdown, has_free_ends, min_captured };
+    let job_object = |id: u16| JobObject {
+        id,
+        used_by: ActivitySet::first((id != 5).into()),
+        moved_by: ActivitySet::first(if id == 1 { 2 } else { 0 }),
+    };
+    let objects: Vec<JobObject> = (1..=u16::from(KNOWN)).map(job_object).collect();
+    let objects = &objects;
+    let job = Job {
+        activities,
+        laws,
+        objects,
+        passive_contacts: &[6],
+        cost,
+        max_slowdown,
+        has_free_ends,
+        min_captured,
+    };
     let Ok(judge) = Judge::with_memory(&job, method) else { return };
     let mut line = Line { judge, ledger: Ledger::default() };
     if input.below(3) == 0 {
@@ -194,12 +209,8 @@ impl Line<'_> {
             let visibility = [(); 3].map(|()| {
                 [Visibility::Seen, Visibility::Assumed, Visibility::Unseen][usize::from(input.below(24) / 11)]
             });
-            let (is_clear, is_doubtful) = (input.below(8) != 0, input.below(8) == 0);
-            let (is_captured, has_moved_unseen) = (input.below(8) != 0, input.below(8) == 0);
-            let is_carried_unseen = input.below(8) == 0;
-            let is_bench_hidden = input.below(8) == 0;
-            let (is_object_ambiguous, is_object_new) = (input.below(8) == 0, input.below(8) == 0);
-            let is_object_displaced = input.below(8) == 0;
+            // Each of the observations is missing now and then.
+            let unseen = (0..9).filter(|_| input.below(8) == 0).collect();
             let drift_m = [0.0, 0.02, f32::MAX][usize::from(input.below(3))];
             let waiting = [Waiting::No, Waiting::Unknown, Waiting::Yes][usize::from(input.below(3))];
             // Now and then, an IU is longer than can be compared.
@@ -216,11 +227,7 @@ impl Line<'_> {
                     tips: position,
                     drift_m,
                     visibility,
-                    is_clear,
-                    is_doubtful,
-                    is_object_ambiguous,
-                    is_object_new,
-                    is_object_displaced,
+                    unseen,
                     waiting,
                     ..Couple::idle(side, captured_ns)
                 };
@@ -231,14 +238,11 @@ impl Line<'_> {
                 self.step(&Couples {
                     captured_ns,
                     known_ns: captured_ns,
-                    is_captured,
-                    has_moved_unseen,
-                    is_carried_unseen,
-                    is_bench_hidden,
-                    undone: ActivitySet::from_bits(u32::from(input.byte())),
-                    out_of_sight: ActivitySet::from_bits(u32::from(input.byte())),
-                    out_of_sight_object: 0,
-                    twice_objects: [0; 5],
+                    unseen,
+                    objects: core::array::from_fn(|index| index as u16 + 1),
+                    at_start: ObjectSet::from_bits(u32::from(input.byte())),
+                    out_of_sight: ObjectSet::from_bits(u32::from(input.byte())),
+                    twice: ObjectSet::from_bits(u32::from(input.byte())),
                     hands,
                 });
             }
@@ -275,10 +279,7 @@ fn shape(id: u16) -> ObjectShape {
     ObjectShape {
         id,
         interaction_points: points.into_iter().take(1 + usize::from(id) % 2).collect(),
-        start: (id == 1).then_some(StartPlace {
-            place: Around { centre: [0.0; 3], max: 0.1 },
-            moved_by: ActivitySet::first(2),
-        }),
+        start: (id == 1).then_some(Around { centre: [0.0; 3], max: 0.1 }),
         ..ObjectShape::default()
     }
 }

@@ -197,9 +197,10 @@ fn touched(context: Context) -> Option<u16> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use andon_core::couple;
+    use andon_core::capacity::OBJECTS;
+    use andon_core::couple::{self, Unseen};
     use andon_core::input;
-    use andon_core::set::ActivitySet;
+    use andon_core::set::ObjectSet;
 
     const S: u64 = 1_000_000_000;
 
@@ -207,14 +208,11 @@ mod tests {
         Couples {
             captured_ns: at_ns,
             known_ns: at_ns,
-            is_captured: true,
-            has_moved_unseen: false,
-            is_carried_unseen: false,
-            is_bench_hidden: false,
-            undone: ActivitySet::EMPTY,
-            out_of_sight: ActivitySet::EMPTY,
-            out_of_sight_object: 0,
-            twice_objects: [0; 5],
+            unseen: Unseen::EMPTY,
+            objects: [0; OBJECTS],
+            at_start: ObjectSet::EMPTY,
+            out_of_sight: ObjectSet::EMPTY,
+            twice: ObjectSet::EMPTY,
             hands: [Couple::idle(Side::Right, at_ns), left],
         }
     }

@@ -4,7 +4,7 @@ use std::io::{Write, stdout};
 use std::slice::from_ref;
 
 use andon_core::config::Method;
-use andon_core::couple::{Couple, Encoder};
+use andon_core::couple::{Couple, Encoder, Unseen};
 use andon_core::input::Side;
 use andon_core::segment::{Event, JobSegmenter};
 use andon_host::atomic;
@@ -106,11 +106,11 @@ fn segment(
     let mut segmented = Segmented { grid_hz: method.rate_hz, ..Segmented::default() };
     let mut handless = Vec::new();
     let mut take = |couples: andon_core::couple::Couples| {
-        if couples.has_moved_unseen || couples.is_carried_unseen {
+        if couples.lacks(Unseen::MOVER | Unseen::CARRIER) {
             handless.push(couples.captured_ns);
         }
         segmented.frames += 1;
-        segmented.captured += u32::from(couples.is_captured);
+        segmented.captured += u32::from(!couples.lacks(Unseen::FRAME));
         segmented.couples.extend(couples.hands);
         segmenter.step(&couples, &mut |event| segmented.lines.extend(line(event)));
     };

@@ -7,7 +7,7 @@ use super::observation::IuObservation;
 use super::occlusion::{Cause, OcclusionLog, too_few_frames};
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
-use crate::couple::{Context, Couple, Motion, Visibility, Waiting};
+use crate::couple::{Context, Couple, Motion, Unseen, Visibility, Waiting};
 use crate::segment::{Iu, Measures};
 use crate::set::ActivitySet;
 use crate::verdict::{Outcome, Reason, Verdict};
@@ -49,13 +49,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
-    /// Takes note of how well the hand is seen in the next couple, before anything is decided on it.
-    pub(super) fn observe(&mut self, couple: &Couple, is_captured: bool, progress: &mut Progress<'a>) {
-        self.watch.observe(couple);
-        self.occlusions.skip_to(couple.captured_ns, is_captured);
+    /// Takes note of how well the hand is seen in the next couple, so many frames after the one before, before anything is decided on it.
+    pub(super) fn observe(&mut self, couple: &Couple, frames: u32, progress: &mut Progress<'a>) {
+        self.watch.observe(couple, frames);
+        self.occlusions.skip(frames, couple);
         let hidden = self.watch.hidden_frames();
         progress.set_hidden(self.side, hidden, hidden > 0 || self.watch.is_doubtful());
-        progress.count_occluded(couple, is_captured, hidden > 0);
+        progress.count_occluded(couple, frames, hidden > 0);
         self.note_never_seen(progress);
         if let Some(activity) = &mut self.activity {
             activity.add_hidden(self.watch.newly_hidden());
@@ -265,7 +265,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn continue_iu(
         &mut self,
         couple: &Couple,
-        is_captured: bool,
         measures: Measures,
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
@@ -274,7 +273,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if is_forgotten {
             self.occlusions.forget();
         } else {
-            self.occlusions.count(couple, is_captured);
+            self.occlusions.count(couple);
         }
         if !self.watch.is_doubtful() && self.iu.is_some_and(|iu| !iu.is_certain) {
             self.confirm_iu(couple, progress, emit);
@@ -293,10 +292,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             iu.observation.assumed.saturating_add((couple.worst_visibility() != Visibility::Seen).into());
         iu.observation.measures = measures;
         iu.has_rested |= couple.motion.is_some_and(|motion| motion.is_pair_at_rest());
-        iu.captured = iu.captured.saturating_add(is_captured.into());
-        iu.observation.is_doubtful |= couple.is_doubtful;
+        iu.captured = iu.captured.saturating_add((!couple.lacks(Unseen::FRAME)).into());
+        iu.observation.is_doubtful |= couple.lacks(Unseen::CHANGE);
         // While the hand is hidden, the IU may have ended already.
-        iu.observation.gap_after = if couple.is_clear { 0 } else { self.watch.gap() };
+        iu.observation.gap_after = if couple.lacks(Unseen::CONTEXT) { self.watch.gap() } else { 0 };
         let Some(iu) = self.iu else { return };
         let candidates = self.activity.as_ref().map_or(ActivitySet::EMPTY, OpenActivity::candidates);
         if !couple.is_in_sight() {

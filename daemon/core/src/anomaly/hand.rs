@@ -7,7 +7,7 @@ use super::occlusion::{Cause, OcclusionLog, percent};
 use super::progress::Progress;
 use super::watch::Watch;
 use crate::config::Method;
-use crate::couple::{Context, Couple};
+use crate::couple::{Context, Couple, Unseen};
 use crate::input::Side;
 use crate::job::Job;
 use crate::verdict::{Level, Measured, Missing, Outcome, Reason, Verdict};
@@ -131,7 +131,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// This couple shows the hand at a step of the job.
     pub(super) fn is_seen_at_step(&self, couple: &Couple) -> bool {
         let is_step = self.activity.as_ref().is_some_and(|activity| matches!(activity.step, Step::Shown(_)));
-        is_step && couple.context.is_touch() && couple.is_clear
+        is_step && couple.context.is_touch() && !couple.lacks(Unseen::CONTEXT)
     }
 
     /// What the hand does was not shown to be done by it, or may be no step, so nothing in it is wrong.

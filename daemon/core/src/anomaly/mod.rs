@@ -22,11 +22,11 @@
 //! - *Release state*: the hand has let go of an object that still touches another. Such an IU is judged by its context alone,
 //!   at its beginning: it lasts until the next touch, which says nothing about the work.
 //! - *Settle*: to decide on an activity once all events of one frame have been taken for both hands.
-//! - *Doubtful*: so little was seen that a context may have come, gone or been another one ([`Couple::is_doubtful`]).
+//! - *Doubtful*: so little was seen that a context may have come, gone or been another one ([`Unseen::CHANGE`]).
 //! - *Certain*: seen well enough that it has happened. An IU that began in doubt becomes certain, and is judged as any other, once its
 //!   context has been shown without doubt; what was hidden before lies before it.
 //! - *Ambiguous object*: another one that the hand may have taken, because it was hidden or not seen yet when the hand took `o_j`
-//!   ([`Couple::is_object_ambiguous`]). It is none any more when it is seen where it lay and the hand was not near it meanwhile.
+//!   ([`Unseen::TAKING`]). It is none any more when it is seen where it lay and the hand was not near it meanwhile.
 //! - *Start seen*: nothing of the open job can have happened before what was seen of it. Otherwise what is missing accuses nobody.
 //! - *Conclude*: to give the verdict on an IU, an activity or a job, which happens exactly once. A verdict is *early* if it is given
 //!   before the end.
@@ -63,9 +63,6 @@
 //! What is assumed, so that more is judged, is said where it is: hidden strokes go on at the pace of those that were seen, in at most a quarter of an
 //! IU (`observation`); the first step that is seen begins its piece, and both hands are at the same piece
 //! (`progress::order`); what was not seen keeps the order of six runs or more (`progress`).
-//!
-//! [`Couple::is_doubtful`]: crate::couple::Couple::is_doubtful
-//! [`Couple::is_object_ambiguous`]: crate::couple::Couple::is_object_ambiguous
 
 mod activity;
 mod algorithm;
@@ -87,7 +84,7 @@ pub use comparison::Memory;
 use crate::bounds::Bounds;
 use crate::capacity::{ACTIVITIES, ACTIVITY_IUS, COMPARISONS, HANDS, IU_FRAMES};
 use crate::config::{Method, MethodFault};
-use crate::couple::{Context, Couple, Couples, Visibility};
+use crate::couple::{Context, Couple, Couples, Unseen, Visibility};
 use crate::dtw::OnlineDtw;
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
@@ -205,6 +202,8 @@ impl Event {
 pub struct Judge<'a, M = heapless::Vec<OnlineDtw<'a>, COMPARISONS>> {
     period_ns: u64,
     blind_ns: u64,
+    /// The time of the newest couples.
+    taken_ns: Option<u64>,
     /// The newest couples, unless others follow that do not come from the same frames.
     newest: Option<Couples>,
     twice: Twice,
@@ -248,6 +247,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         Ok(Self {
             period_ns: method.period_ns(),
             blind_ns: u64::from(method.blind_ms) * 1_000_000,
+            taken_ns: None,
             newest: None,
             twice: Twice::default(),
             unsettled: 0,
@@ -288,7 +288,8 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     /// nothing was seen; what was not seen for longer than `blind_ms` is out of sight. An encoder that has started again does not see at once
     /// what a hand holds.
     pub fn step(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
-        self.twice.follow(&couples.twice_objects, couples.captured_ns);
+        let couples = &self.bench.progress.of_job(couples);
+        self.twice.follow(couples.ids(couples.twice), couples.captured_ns);
         let twice = self.twice;
         let emit = &mut |event| emit(twice.named(event));
         if let Some(newest) = self.newest.replace(*couples) {
@@ -309,7 +310,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         let mut couples = *couples;
         if self.unsettled > 0 {
             self.unsettled -= 1;
-            couples.hands.iter_mut().for_each(|couple| couple.is_doubtful = true);
+            couples.hands.iter_mut().for_each(|couple| couple.unseen |= Unseen::CHANGE);
         }
         self.take(&couples, emit);
     }
@@ -327,7 +328,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         let emit_verdict = &mut |verdict| emit(Event::Verdict(verdict));
         for (hand, couple) in hands.iter_mut().zip(&couples.hands) {
             let measures = segmenter.hand(couple.side).measures();
-            hand.continue_iu(couple, couples.is_captured, measures, progress, emit_verdict);
+            hand.continue_iu(couple, measures, progress, emit_verdict);
         }
         for (hand, couple) in hands.iter_mut().zip(&couples.hands) {
             hand.settle(segmenter.hand(couple.side), progress, emit_verdict);
@@ -341,25 +342,33 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         }
     }
 
+    /// How many frames of the grid after the newest couples these come, at least 1. Of a long gap, not all have couples.
+    fn frames_to(&mut self, captured_ns: u64) -> u32 {
+        let newest_ns = self.taken_ns.replace(captured_ns).unwrap_or(captured_ns);
+        let elapsed_ns = captured_ns.saturating_sub(newest_ns).saturating_add(self.period_ns / 2);
+        u32::try_from(elapsed_ns / self.period_ns).unwrap_or(u32::MAX).max(1)
+    }
+
     /// Takes note of how much the next couples show, and of what has happened without a hand.
     fn observe(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
+        let frames = self.frames_to(couples.captured_ns);
         let Self { segmenter, bench, .. } = self;
-        bench.progress.watch(couples, self.period_ns);
+        bench.progress.watch(couples, frames);
         bench.progress.now_ns = couples.captured_ns;
         bench.progress.known_ns = couples.known_ns;
         for (hand, couple) in bench.hands.iter_mut().zip(&couples.hands) {
-            hand.observe(couple, couples.is_captured, &mut bench.progress);
+            hand.observe(couple, frames, &mut bench.progress);
         }
-        bench.progress.set_undone(couples.undone);
-        bench.progress.set_out_of_sight(couples.out_of_sight, couples.out_of_sight_object);
-        if couples.is_carried_unseen {
+        bench.progress.set_at_start(couples);
+        bench.progress.set_out_of_sight(couples);
+        if couples.lacks(Unseen::CARRIER) {
             bench.progress.doubt_start();
             let hands = bench.hands.iter_mut().zip(&couples.hands);
             hands
                 .filter(|(_, couple)| !couple.is_hand_seen())
                 .for_each(|(hand, _)| hand.watch.may_be_remainder = true);
         }
-        if couples.has_moved_unseen {
+        if couples.lacks(Unseen::MOVER) {
             bench.progress.set_moved_unseen();
             // What a hand does with the same part afterwards may be another activity, and so may what it did meanwhile.
             for (hand, couple) in bench.hands.iter_mut().zip(&couples.hands) {
@@ -369,7 +378,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             }
         }
         // What a hand does with the same part afterwards is not the remainder of what it did before.
-        let is_idle = |couple: &Couple| couple.context == Context::IDLE && !couple.is_doubtful;
+        let is_idle = |couple: &Couple| couple.context == Context::IDLE && !couple.lacks(Unseen::CHANGE);
         if bench.progress.is_set_anew() && couples.hands.iter().all(is_idle) {
             segmenter.finish(&mut |event| bench.take(&event, None, emit));
         }
@@ -379,7 +388,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     /// the one before it, which has its verdict then.
     fn ends_job(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) -> bool {
         let Self { segmenter, bench, .. } = self;
-        let is_disturbed = segmenter.is_disturbed() || couples.has_moved_unseen;
+        let is_disturbed = segmenter.is_disturbed() || couples.lacks(Unseen::MOVER);
         let begins_next = couples.hands.iter().any(|couple| {
             let may_go_on = bench.hands[couple.side.index()].watch.may_go_on_touching(couple.context);
             segmenter.begins_activity(couple)
@@ -449,7 +458,7 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
     /// A hand that was not seen has worked since then: whatever it did is not judged.
     fn conclude_unseen(&mut self, began_ns: u64, emit: &mut impl FnMut(Event)) {
         let Self { progress, .. } = self;
-        progress.begin(began_ns, false);
+        progress.begin(began_ns, false, None);
         progress.set_unseen();
         emit(Event::JobBegan { began_ns });
         progress.conclude(true, &mut |verdict| emit(Event::Verdict(verdict)));
@@ -465,8 +474,7 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
                 if touches.any(|couple| hands[couple.side.index()].watch.may_go_on_touching(couple.context)) {
                     progress.doubt_start();
                 }
-                progress.begin(began_ns, is_start_seen);
-                progress.unseen_since_ns = unseen_since_ns;
+                progress.begin(began_ns, is_start_seen, unseen_since_ns);
                 if is_start_seen {
                     hands.iter_mut().for_each(|hand| hand.watch.begin());
                 }

@@ -3,7 +3,7 @@
 //! Couples that never come count as frames in which nothing was seen. An `encode` that starts again loses what it held back, and an IU
 //! would seem too short without them.
 
-use crate::couple::{Couple, Visibility};
+use crate::couple::{Couple, Unseen, Visibility};
 use crate::input::Side;
 use crate::verdict::{Missing, Reason};
 
@@ -43,7 +43,6 @@ pub(super) fn percent(frames: u32, of: u32) -> Option<u8> {
 pub(super) struct OcclusionLog {
     side: Side,
     period_ns: u64,
-    newest_ns: u64,
     /// All frames, and the newest of them that never came one after the other.
     frames: u32,
     newest_gap: u32,
@@ -64,7 +63,6 @@ impl OcclusionLog {
         Self {
             side,
             period_ns,
-            newest_ns: u64::MAX,
             frames: 0,
             newest_gap: 0,
             longest_gap: 0,
@@ -77,30 +75,28 @@ impl OcclusionLog {
 
     /// Neither the newest couple nor anything before it matters.
     pub(super) fn forget(&mut self) {
-        *self = Self { newest_ns: self.newest_ns, ..Self::new(self.side, self.period_ns) };
+        *self = Self::new(self.side, self.period_ns);
     }
 
-    /// The next couple is of this time. Of a long gap, not all frames of the grid have a couple.
-    pub(super) fn skip_to(&mut self, captured_ns: u64, is_captured: bool) {
-        let elapsed_ns = captured_ns.saturating_sub(self.newest_ns).saturating_sub(self.period_ns / 2);
-        let missing = u32::try_from(elapsed_ns / self.period_ns).unwrap_or(u32::MAX);
+    /// The next couple comes as many frames after the one before. Of a long gap, not all frames of the grid have a couple.
+    pub(super) fn skip(&mut self, frames: u32, couple: &Couple) {
+        let (missing, is_missing) = (frames - 1, couple.lacks(Unseen::FRAME));
         self.uncaptured = self.uncaptured.saturating_add(missing);
-        self.frames = self.frames.saturating_add(missing).saturating_add(1);
-        self.newest_gap = self.newest_gap.saturating_add(missing).saturating_add((!is_captured).into());
+        self.frames = self.frames.saturating_add(frames);
+        self.newest_gap = self.newest_gap.saturating_add(missing).saturating_add(is_missing.into());
         self.longest_gap = self.longest_gap.max(self.newest_gap);
-        if is_captured {
+        if !is_missing {
             self.newest_gap = 0;
         }
-        self.newest_ns = captured_ns;
     }
 
     /// Takes that couple.
-    pub(super) fn count(&mut self, couple: &Couple, is_captured: bool) {
+    pub(super) fn count(&mut self, couple: &Couple) {
         // What is seen and not clear behind frames that never came is so because of them.
         let is_hidden = couple.visibility != [Visibility::Seen; 3] || self.uncaptured == 0;
-        if !is_captured {
+        if couple.lacks(Unseen::FRAME) {
             self.uncaptured = self.uncaptured.saturating_add(1);
-        } else if !couple.is_clear && is_hidden {
+        } else if couple.lacks(Unseen::CONTEXT) && is_hidden {
             self.captured = self.captured.saturating_add(1);
             self.count_hidden(couple);
         }
@@ -109,11 +105,9 @@ impl OcclusionLog {
     fn count_hidden(&mut self, couple: &Couple) {
         let [hand, ..] = couple.visibility.map(|visibility| visibility != Visibility::Seen);
         self.hand = self.hand.saturating_add(hand.into());
-        let [_, _, j, l] = couple.context.0;
-        let j = j.max(couple.context.0[1]);
         let ids = [
-            (j, couple.visibility[1]),
-            (l, couple.visibility[2]),
+            (couple.context.o_j(), couple.visibility[1]),
+            (couple.context.0[3], couple.visibility[2]),
             (couple.hidden_object, Visibility::Unseen),
         ];
         for (index, (id, visibility)) in ids.into_iter().enumerate() {

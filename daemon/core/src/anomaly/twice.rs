@@ -26,9 +26,9 @@ struct Twin {
 }
 
 impl Twice {
-    /// Takes the objects that the couples of this time name; 0 is none.
-    pub(super) fn follow(&mut self, objects: &[u16], now_ns: u64) {
-        for &object in objects.iter().filter(|object| **object != 0) {
+    /// Takes the objects whose markers are in view twice at this time.
+    pub(super) fn follow(&mut self, objects: impl Iterator<Item = u16>, now_ns: u64) {
+        for object in objects {
             let new = Twin { object, began_ns: now_ns, newest_ns: now_ns };
             match self.twins.iter_mut().flatten().find(|twin| twin.object == object) {
                 Some(twin) if now_ns.saturating_sub(twin.newest_ns) < REMOVED_NS => twin.newest_ns = now_ns,

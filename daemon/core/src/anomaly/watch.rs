@@ -1,24 +1,25 @@
 //! How well a hand and what it acts on have been seen lately.
 
 use crate::config::Method;
-use crate::couple::{Context, Couple};
+use crate::couple::{Context, Couple, Unseen};
 
-/// After this many times `persist_frames` without contact a hand is certainly empty.
+/// After this many times `persist_frames` without contact a hand is certainly empty: once until a contact is known again behind a gap, once until it
+/// is believed, and once in which the hand comes to rest at what it takes.
 const IDLE_PERSISTS: u32 = 3;
 
 /// What was not seen of one hand, as far as a verdict may depend on it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Watch {
     persist_frames: u32,
-    period_ns: u64,
-    /// The time of the newest couple.
-    newest_ns: u64,
+    /// The context of the newest couple.
+    context: Context,
     /// How many frames up to the newest one were not clear.
     hidden_frames: u32,
     /// How many frames up to the newest one were not clear, or up to the one before if the newest is clear.
     gap: u32,
-    /// How many frames up to the newest one were clear.
-    clear_frames: u32,
+    /// How many frames up to the newest one were clear, and more if it is not known that there was one before them that was not; `None` if the
+    /// hand has not been seen.
+    clear_frames: Option<u32>,
     /// How many frames were not clear just before those.
     hidden_before_clear: u32,
     /// In how many frames since the couple before something may have come and gone.
@@ -32,9 +33,6 @@ pub(super) struct Watch {
     idle_frames: u32,
     /// It was so for long enough since it last acted.
     has_been_idle: bool,
-    /// `o_j`, or 0, and whether the hand touches it.
-    held: u16,
-    is_touch: bool,
     /// Which of several objects the hand acts on was decided when too little was seen, or before one of them was first seen. It keeps to that one
     /// until it lets go.
     is_held_doubtful: bool,
@@ -48,8 +46,6 @@ pub(super) struct Watch {
     may_be_new: bool,
     /// `o_j` of the newest activity that was not judged, or 0.
     unjudged: u16,
-    /// The hand has been seen.
-    has_been_clear: bool,
     /// The next activity may be the remainder of one that was not seen to begin.
     pub(super) may_be_remainder: bool,
     /// It may be so because nothing was watched before it.
@@ -61,38 +57,19 @@ impl Watch {
     pub(super) fn new(method: &Method) -> Self {
         Self {
             persist_frames: method.persist_frames.into(),
-            period_ns: method.period_ns(),
-            newest_ns: u64::MAX,
-            hidden_frames: 0,
-            gap: 0,
-            clear_frames: u32::MAX,
-            hidden_before_clear: 0,
-            newly_hidden: 0,
-            since_doubt: 0,
-            certain: None,
-            since_certain: 0,
-            idle_frames: 0,
-            has_been_idle: false,
-            held: 0,
-            is_touch: false,
-            is_held_doubtful: false,
-            lately_hidden: 0,
-            is_object_new: false,
-            was_object_new: false,
             may_be_new: true,
-            unjudged: 0,
-            has_been_clear: false,
             may_be_remainder: true,
             is_begun_late: true,
+            ..Self::default()
         }
     }
 
     /// What follows is the beginning of a job, so nothing that was not seen before matters.
     pub(super) fn begin(&mut self) {
         (self.hidden_frames, self.gap, self.since_doubt, self.unjudged) = (0, 0, u32::MAX, 0);
-        self.clear_frames = u32::MAX;
+        self.clear_frames = None;
         (self.certain, self.since_certain) = (Some(Context::IDLE), 0);
-        (self.has_been_clear, self.may_be_remainder, self.is_begun_late) = (false, false, false);
+        (self.may_be_remainder, self.is_begun_late) = (false, false);
         (self.is_object_new, self.may_be_new) = (false, false);
         self.is_held_doubtful = false;
     }
@@ -108,46 +85,45 @@ impl Watch {
         (self.may_be_remainder, self.is_begun_late) = (true, true);
     }
 
-    /// Takes the next couple.
-    pub(super) fn observe(&mut self, couple: &Couple) {
+    /// Takes the next couple, which comes as many frames after the one before: of a long gap, not all have one.
+    pub(super) fn observe(&mut self, couple: &Couple, frames: u32) {
         let (is_idle, is_certain) = (self.certain == Some(Context::IDLE), self.is_certain());
         // A frame in which nothing can have come and gone interrupts nothing.
         let goes_on = is_idle && !self.is_doubtful();
         self.idle_frames = if goes_on { self.idle_frames.saturating_add(is_certain.into()) } else { 0 };
         self.has_been_idle = (is_idle || !is_certain) && (self.has_been_idle || self.is_idle_for_long());
-        // Of a long gap, not all frames of the grid have a couple.
-        let frames = couple.captured_ns.saturating_sub(self.newest_ns).saturating_add(self.period_ns / 2);
-        let frames = u32::try_from(frames / self.period_ns).unwrap_or(u32::MAX).max(1);
-        self.newest_ns = couple.captured_ns;
+        let is_clear = !couple.lacks(Unseen::CONTEXT);
         let missing = frames - 1;
         self.hidden_frames = self.hidden_frames.saturating_add(missing);
-        if couple.is_clear {
+        if is_clear {
             self.gap = core::mem::take(&mut self.hidden_frames);
-            if self.gap > 0 {
-                (self.clear_frames, self.hidden_before_clear) = (0, self.gap);
-            }
-            self.clear_frames = self.clear_frames.saturating_add(1);
-            self.has_been_clear = true;
+            self.clear_frames = match self.gap {
+                0 => Some(self.clear_frames.map_or(u32::MAX, |frames| frames.saturating_add(1))),
+                gap => {
+                    self.hidden_before_clear = gap;
+                    Some(1)
+                }
+            };
         } else {
             self.hidden_frames = self.hidden_frames.saturating_add(1);
             self.gap = self.hidden_frames;
         }
-        let is_doubtful = couple.is_doubtful || missing >= self.persist_frames;
+        let is_doubtful = couple.lacks(Unseen::CHANGE) || missing >= self.persist_frames;
         // What began before may have been overlooked for as long as a change takes to be believed.
         let before = self.since_doubt.min(self.persist_frames);
         self.newly_hidden = if is_doubtful { frames.saturating_add(before) } else { 0 };
         // Only frames that show something make a change believable.
-        self.since_doubt =
-            if is_doubtful { 0 } else { self.since_doubt.saturating_add(couple.is_clear.into()) };
+        self.since_doubt = if is_doubtful { 0 } else { self.since_doubt.saturating_add(is_clear.into()) };
         // What a hand already acts with may have been at an object that is only now seen, whether the start of the job was seen or not.
-        let appears = couple.is_object_new && !self.was_object_new && self.is_touch;
-        self.was_object_new = couple.is_object_new;
+        let is_new = couple.lacks(Unseen::ARRIVAL);
+        let appears = is_new && !self.was_object_new && self.context.is_touch();
+        self.was_object_new = is_new;
         self.observe_held(couple);
         let matters = self.may_be_new || appears || self.is_object_new;
-        let is_first_seen = couple.is_object_new && matters;
-        self.is_object_new = is_first_seen || couple.is_object_displaced;
-        self.is_held_doubtful |= is_first_seen && couple.is_object_ambiguous;
-        if couple.is_clear && !self.is_doubtful() {
+        let is_first_seen = is_new && matters;
+        self.is_object_new = is_first_seen || couple.lacks(Unseen::MOVE);
+        self.is_held_doubtful |= is_first_seen && couple.lacks(Unseen::TAKING);
+        if is_clear && !self.is_doubtful() {
             (self.certain, self.since_certain) = (Some(couple.context), 0);
         } else {
             self.since_certain = self.since_certain.saturating_add(frames);
@@ -158,15 +134,11 @@ impl Watch {
     }
 
     fn observe_held(&mut self, couple: &Couple) {
-        let context = couple.context;
-        // A hand that has let go may still be reported at the same object.
-        let held = if context.is_release() { context.0[2] } else { context.0[1] };
-        let before = core::mem::replace(&mut self.held, held);
-        self.is_touch = context.is_touch();
-        if held != before && held != 0 {
+        let before = core::mem::replace(&mut self.context, couple.context).o_j();
+        if ![0, before].contains(&self.context.o_j()) {
             self.is_held_doubtful = before != 0 && self.is_held_doubtful || self.is_recent();
         }
-        self.is_held_doubtful &= couple.is_object_ambiguous;
+        self.is_held_doubtful &= couple.lacks(Unseen::TAKING);
     }
 
     /// Where the context changed with the newest couple, it may have changed as many frames before.
@@ -176,11 +148,10 @@ impl Watch {
         } else if self.since_doubt <= 2 * self.persist_frames {
             // Behind a gap, a change is believed as much later as the contact takes to be known again.
             self.gap.max(self.persist_frames)
-        } else if self.gap == 0 && self.clear_frames <= self.persist_frames {
-            // Whether two move together is read from as many frames before the change.
-            self.hidden_before_clear.saturating_add(self.clear_frames - 1)
         } else {
-            self.gap
+            // Whether two move together is read from as many frames before the change.
+            let clear = self.clear_frames.filter(|frames| self.gap == 0 && *frames <= self.persist_frames);
+            clear.map_or(self.gap, |frames| self.hidden_before_clear.saturating_add(frames - 1))
         }
     }
 
@@ -232,7 +203,7 @@ impl Watch {
     /// [`hidden_before`](Self::hidden_before) for an activity that begins with this context: it may be the remainder of one with the same object,
     /// and may have begun before it was seen that the hand holds something. Takes note of whether it may be a remainder.
     pub(super) fn begin_activity(&mut self, context: Context) -> u32 {
-        let is_same = self.certain.is_some_and(|certain| certain.0[2].max(certain.0[1]) == context.0[1]);
+        let is_same = self.certain.is_some_and(|certain| certain.o_j() == context.0[1]);
         let is_remainder =
             is_same && self.is_doubtful() || self.is_object_new || self.unjudged == context.0[1];
         let hidden = if self.may_be_remainder || is_remainder {
@@ -260,7 +231,7 @@ impl Watch {
 
     /// The object of the hand's newest activity, if that was not judged and the hand still touches the object.
     pub(super) fn unjudged_in_hand(&self) -> Option<u16> {
-        (self.is_touch && self.held == self.unjudged).then_some(self.held)
+        (self.context.is_touch() && self.context.o_j() == self.unjudged).then_some(self.unjudged)
     }
 
     /// Whether an IU that begins with this context may have begun before: it goes on from before a doubt, or an object was seen for the first time.
@@ -270,7 +241,7 @@ impl Watch {
 
     /// Whether the hand may still hold another object than the one that it is said to act on.
     pub(super) fn may_hold_another(&self) -> bool {
-        self.held != 0 && self.is_held_doubtful
+        self.context.o_j() != 0 && self.is_held_doubtful
     }
 
     /// Whether the hand may go on with what it touched before a doubt.
@@ -280,7 +251,7 @@ impl Watch {
 
     /// How long the hand has been hidden; 0 for a hand that has never been seen, because the bench may be worked at with one hand.
     pub(super) fn hidden_frames(&self) -> u32 {
-        if self.has_been_clear { self.gap } else { 0 }
+        self.clear_frames.map_or(0, |_| self.gap)
     }
 
     /// Whether a change of context with the newest couple depends on too little.

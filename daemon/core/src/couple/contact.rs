@@ -2,9 +2,11 @@
 
 use crate::config::Contact;
 
-/// In how many frames a change must have been known to be believed: one wrong position is no change, and two may come from one shaken
-/// frame. Half of the default of `persist_frames`, rounded up.
-const MIN_KNOWN: u32 = 3;
+/// In how many of `persist` frames a change must have been known to be believed: in half of them. By default these are three: one wrong position
+/// is no change, and two may come from one shaken frame.
+fn min_known(persist: u8) -> u32 {
+    u32::from(persist.div_ceil(2))
+}
 
 /// The recent history of one edge of the scene graph.
 ///
@@ -85,7 +87,7 @@ impl Edge {
                 // For how many frames up to the newest in the window it has been what it is there.
                 let lasted = if is_near { near.trailing_ones() } else { near.trailing_zeros() };
                 let seen = (known & window(lasted as u8, 0)).count_ones();
-                let is_seen = seen >= MIN_KNOWN.min(persist.into());
+                let is_seen = seen >= min_known(persist);
                 self.believed ^= lasted as usize > age - rest && is_seen;
             }
         }
@@ -100,7 +102,8 @@ impl Edge {
     /// Whether enough frames of the window [`ahead`] of this age show that the two are apart, and none that they are near.
     pub(super) fn is_apart(self, age: usize, persist: u8) -> bool {
         let frames = ahead(age, persist);
-        self.near & frames == 0 && (self.known & frames).count_ones() >= MIN_KNOWN.min(frames.count_ones())
+        self.near & frames == 0
+            && (self.known & frames).count_ones() >= min_known(persist).min(frames.count_ones())
     }
 
     /// Whether the frame of this age and all that are known of the window [`ahead`] of it show a change that was not believed, because others are not

@@ -9,13 +9,15 @@ mod kinematics;
 pub(crate) mod noise;
 mod poses;
 mod scene;
+mod unseen;
 
 pub use encoder::{Encoder, Refused, Unusable};
 pub use noise::jitter_bound_m;
+pub use unseen::{Observations, Unseen};
 
-use crate::capacity::{HANDS, TWINS};
+use crate::capacity::{HANDS, OBJECTS};
 use crate::input::{Point, Side};
-use crate::set::ActivitySet;
+use crate::set::ObjectSet;
 
 /// Motion features `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]` (paper III-A.3).
 ///
@@ -46,6 +48,11 @@ pub struct Context(pub [u16; 4]);
 impl Context {
     /// Nothing is touched. Idle time is not an IU.
     pub const IDLE: Self = Self([0; 4]);
+
+    /// `o_j`, or 0. A hand that has let go of it may still be at it.
+    pub(crate) fn o_j(self) -> u16 {
+        self.0[2].max(self.0[1])
+    }
 
     /// The hand touches something.
     pub fn is_touch(self) -> bool {
@@ -134,20 +141,9 @@ pub struct Couple {
     pub visibility: [Visibility; 3],
     /// Whether the hand waits for the other one.
     pub waiting: Waiting,
-    /// Whether the frame itself shows the context: the hand was seen in it, and each object that it acts on, was at, may have taken or may
-    /// touch with what it is at.
-    pub is_clear: bool,
-    /// Too little was seen here: a context may have come, gone or changed unseen, or may be another one.
-    pub is_doubtful: bool,
-    /// Whether the hand may have taken another object than `o_j`, because too little was seen when it took that.
-    pub is_object_ambiguous: bool,
-    /// `o_j` or `o_l` had been seen only just before this began, so the hand may have done before what it is seen to do now.
-    pub is_object_new: bool,
-    /// `o_j` or `o_l` had been hidden before this began, and was then seen elsewhere than before: a hand has moved it, and may have done before
-    /// what this one is seen to do now.
-    pub is_object_displaced: bool,
-    /// The id of an object because of which this is not clear: the frame does not show it, and the hand acts on it, may have taken it, or may
-    /// touch it with what it is at. 0 where there is none.
+    /// What was not seen of it: all but [`Unseen::MOVER`], [`Unseen::CARRIER`] and [`Unseen::BENCH`].
+    pub unseen: Unseen,
+    /// The id of a hidden object because of which the frame does not show the context. 0 where there is none.
     pub hidden_object: u16,
 }
 
@@ -165,11 +161,7 @@ impl Couple {
             distances: [f32::INFINITY; 2],
             visibility: [Visibility::Unseen, Visibility::Seen, Visibility::Seen],
             waiting: Waiting::No,
-            is_clear: false,
-            is_doubtful: true,
-            is_object_ambiguous: false,
-            is_object_new: false,
-            is_object_displaced: false,
+            unseen: Unseen::CONTEXT | Unseen::CHANGE,
             hidden_object: 0,
         }
     }
@@ -183,10 +175,14 @@ impl Couple {
             tips: None,
             visibility: self.visibility.map(|before| before.max(visibility)),
             waiting: if self.context.is_touch() { Waiting::Unknown } else { Waiting::No },
-            is_clear: false,
-            is_doubtful: true,
+            unseen: self.unseen | Unseen::FRAME | Unseen::CONTEXT | Unseen::CHANGE,
             ..*self
         }
+    }
+
+    /// Whether any of these was not seen.
+    pub fn lacks(&self, observations: Unseen) -> bool {
+        self.unseen.intersects(observations)
     }
 
     /// Whether the hand itself was seen in this frame, rather than held from an earlier one.
@@ -213,37 +209,38 @@ pub struct Couples {
     pub captured_ns: u64,
     /// The time of the newest frame that they depend on, in nanoseconds: `persist_frames` later, or less at the end of a recording.
     pub known_ns: u64,
-    /// Whether there was a frame; false where the grid was filled.
-    pub is_captured: bool,
-    /// An object lies elsewhere than before, and no hand was seen at it: a hand was overlooked, or somebody rearranged the bench.
-    pub has_moved_unseen: bool,
-    /// An object moves at which no hand is seen: one carries it, unseen.
-    pub is_carried_unseen: bool,
-    /// No object is seen, or one is hidden that lay in sight when a hand was seen last, or since: what becomes of it is not known.
-    pub is_bench_hidden: bool,
-    /// The activities that have not been done: an object that they move for good lies where it does at the beginning of the job.
-    pub undone: ActivitySet,
-    /// The activities that use an object which has never been seen or not for longer than `blind_ms`.
-    pub out_of_sight: ActivitySet,
-    /// The id of one such object, 0 where there is none.
-    pub out_of_sight_object: u16,
-    /// The ids of objects that the job uses and whose markers the newest frame shows twice, then 0.
-    pub twice_objects: [u16; TWINS],
+    /// What was not seen of the bench: [`Unseen::FRAME`] where the grid was filled, [`Unseen::MOVER`], [`Unseen::CARRIER`] and [`Unseen::BENCH`].
+    pub unseen: Unseen,
+    /// The ids of the objects that are followed, ascending, then 0: those of the sets below.
+    pub objects: [u16; OBJECTS],
+    /// The objects that lie where they do at the beginning of the job.
+    pub at_start: ObjectSet,
+    /// The objects that have never been seen or not for longer than `blind_ms`.
+    pub out_of_sight: ObjectSet,
+    /// The objects whose markers the newest frame shows twice.
+    pub twice: ObjectSet,
     /// Right hand, then left hand.
     pub hands: [Couple; HANDS],
 }
 
 impl Couples {
+    /// Whether any of these was not seen.
+    pub fn lacks(&self, observations: Unseen) -> bool {
+        self.unseen.intersects(observations)
+    }
+
+    /// The ids of the objects in this set.
+    pub fn ids(&self, objects: ObjectSet) -> impl Iterator<Item = u16> {
+        objects.iter().map(|index| self.objects[index])
+    }
+
     /// The couples at another time of which no frame shows anything.
     pub(crate) fn unseen_at(&self, captured_ns: u64, known_ns: u64, visibility: Visibility) -> Self {
         Self {
             captured_ns,
             known_ns,
-            is_captured: false,
-            has_moved_unseen: false,
-            is_carried_unseen: false,
-            is_bench_hidden: true,
-            undone: if visibility == Visibility::Unseen { ActivitySet::EMPTY } else { self.undone },
+            unseen: Unseen::FRAME | Unseen::BENCH,
+            at_start: if visibility == Visibility::Unseen { ObjectSet::EMPTY } else { self.at_start },
             hands: self.hands.map(|couple| couple.unseen_at(captured_ns, visibility)),
             ..*self
         }

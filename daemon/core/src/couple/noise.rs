@@ -9,8 +9,14 @@ use crate::capacity::PERSIST_FRAMES;
 use crate::input::Point;
 use heapless::Vec;
 
-/// A movement shorter than this is none, in metres: above the noise of landmarks and markers, and below the strokes of a tool.
+/// A movement shorter than this is none, in metres: above the noise of landmarks and markers, and below the strokes of a tool. What has been
+/// hidden or held and is no farther than this from where it was is where it was.
 pub const MOVED_M: f32 = 0.015;
+
+/// Whether what was at one of two places and is at the other one has moved.
+pub(super) fn has_moved(from: Point, to: Point) -> bool {
+    squared_distance(from, to) > MOVED_M * MOVED_M
+}
 
 /// Two positions of what lies still are hardly ever farther apart than this multiple of the standard deviation of one: in the plane once in 270,000
 /// times if that is known, and once in some thousand times as it is estimated here.
@@ -22,10 +28,10 @@ const THIRD_DIFFERENCE_VARIANCE: f32 = 20.0;
 /// Squares of third differences are clipped at this multiple of their median: of errors one in 500 exceeds it.
 const CLIP_AT_MEDIANS: f32 = 9.0;
 
-/// Fewer third differences tell nothing.
+/// Fewer third differences tell nothing: one position that is misread is in four.
 const MIN_DIFFERENCES: usize = 4;
 
-/// As many are used, the first ones.
+/// As many are used, the first ones: room for those of all frames that are remembered.
 const MAX_DIFFERENCES: usize = 2 * PERSIST_FRAMES;
 
 /// Fewer frames tell nothing of the drift, and so many are remembered: 10 s of the default frame rate.
@@ -40,7 +46,7 @@ const UNCERTAIN_FRAMES: f32 = 30.0;
 /// drifts more cannot resolve a contact.
 const MAX_DRIFT_M: f32 = 0.03;
 
-/// Squares of the drift are clipped at this multiple of their mean: a part that is moved unseen moves farther than it drifts.
+/// Squares of the drift are clipped at this multiple of their mean: in the plane one in 8,000 exceeds it, and a part that is moved unseen does.
 const CLIP_AT_MEANS: f32 = 9.0;
 
 /// How far apart two positions of something that lies still seem to be at most, in metres, by the errors of what sees it: as they are in these

@@ -37,6 +37,14 @@ impl<T: Copy> Recent<T> {
         }
     }
 
+    /// Where it was in the newest frame and in the one before.
+    pub(super) fn fixes(&self) -> [Fix; 2]
+    where
+        Fix: From<T>,
+    {
+        [0, 1].map(|age| Fix::from(*self.ago(age)))
+    }
+
     /// The item of `age` frames ago, or the oldest one if that is no longer remembered.
     pub(super) fn ago(&self, age: usize) -> &T {
         &self.items[(self.newest + REMEMBERED - age.min(REMEMBERED - 1)) % REMEMBERED]
@@ -65,40 +73,23 @@ impl Source {
     }
 }
 
-/// What hands and objects have in common in one frame of the grid.
-pub(super) trait Pose {
-    /// Where it is, in metres in the bench frame.
-    fn place(&self) -> Point;
-    fn source(&self) -> Source;
-    /// Frames since it was seen.
-    fn unseen(&self) -> u32;
+/// Where a hand or an object was in one frame of the grid, how that is known, and for how many frames it had not been seen.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fix {
+    pub(super) place: Point,
+    pub(super) source: Source,
+    pub(super) unseen: u32,
 }
 
-impl Pose for HandPose {
-    fn place(&self) -> Point {
-        self.middle_knuckle
-    }
-
-    fn source(&self) -> Source {
-        self.source
-    }
-
-    fn unseen(&self) -> u32 {
-        self.unseen
+impl From<HandPose> for Fix {
+    fn from(HandPose { middle_knuckle: place, source, unseen, .. }: HandPose) -> Self {
+        Self { place, source, unseen }
     }
 }
 
-impl Pose for ObjectPose {
-    fn place(&self) -> Point {
-        self.position
-    }
-
-    fn source(&self) -> Source {
-        self.source
-    }
-
-    fn unseen(&self) -> u32 {
-        self.unseen
+impl From<ObjectPose> for Fix {
+    fn from(ObjectPose { position: place, source, unseen, .. }: ObjectPose) -> Self {
+        Self { place, source, unseen }
     }
 }
 

@@ -6,7 +6,7 @@ use super::way::Way;
 use super::{Event, Iu};
 use crate::capacity::{ACTIVITIES, FILTER_FRAMES};
 use crate::config::{Method, MethodFault};
-use crate::couple::{Context, Couple, Motion, Visibility, Waiting};
+use crate::couple::{Context, Couple, Motion, Unseen, Visibility, Waiting};
 use crate::input::Side;
 use heapless::{Deque, Vec};
 
@@ -100,7 +100,7 @@ impl Segmenter {
             // It is not known yet that the two are together: the hand may still be on its way.
             self.ways[1] = Way::after(self.unclear);
         }
-        self.unclear = if couple.is_clear { 0 } else { self.unclear.saturating_add(1) };
+        self.unclear = if couple.lacks(Unseen::CONTEXT) { self.unclear.saturating_add(1) } else { 0 };
         self.ways.iter_mut().for_each(|way| way.push(couple.tips));
         if self.begins_activity(couple) {
             self.end_activity(emit);

@@ -3,7 +3,7 @@
 use super::{Event, Segmenter};
 use crate::capacity::HANDS;
 use crate::config::{Method, MethodFault};
-use crate::couple::{Context, Couple, Couples};
+use crate::couple::{Context, Couple, Couples, Unseen};
 use crate::input::Side;
 
 /// An open job.
@@ -45,12 +45,10 @@ pub struct JobSegmenter {
     is_between_jobs: bool,
     /// There has been a pause since the last job, and nothing has moved.
     has_paused: bool,
-    /// A hand that was not seen has carried something since a hand last began to act: the next job may have begun.
-    may_have_begun: bool,
     /// Since when something has been carried so, and nobody has been told.
     unseen_since_ns: Option<u64>,
-    /// Objects have moved unseen since a hand last acted.
-    is_disturbed: bool,
+    /// What was not seen since a hand last began to act: [`Unseen::MOVER`], and [`Unseen::CARRIER`], so that the next job may have begun.
+    since_touch: Unseen,
     job: Option<OpenJob>,
 }
 
@@ -72,9 +70,8 @@ impl JobSegmenter {
             has_lost_object: false,
             is_between_jobs: false,
             has_paused: false,
-            may_have_begun: false,
             unseen_since_ns: None,
-            is_disturbed: false,
+            since_touch: Unseen::EMPTY,
             job: None,
         })
     }
@@ -86,7 +83,7 @@ impl JobSegmenter {
         let touches = couples.hands.iter().any(|couple| self.begins_activity(couple));
         let is_pause = self.handless_ns >= self.idle_end_ns;
         if self.job.is_some_and(|job| {
-            job.matched && (touches || is_pause) || job.touched && is_pause && self.is_disturbed
+            job.matched && (touches || is_pause) || job.touched && is_pause && self.is_disturbed()
         }) {
             self.end(now_ns, emit);
         }
@@ -104,16 +101,15 @@ impl JobSegmenter {
                 job.ended_ns = now_ns.saturating_add(self.period_ns);
             }
         }
-        self.is_disturbed &= !touches;
-        self.may_have_begun &= !touches;
+        self.since_touch = self.since_touch.when(!touches);
     }
 
     fn watch_for_pause(&mut self, couples: &Couples) {
         let elapsed_ns = couples.captured_ns.saturating_sub(self.newest_ns);
-        let moves = couples.has_moved_unseen || couples.is_carried_unseen;
-        if moves || couples.hands.iter().any(Couple::is_hand_seen) {
+        let moves = couples.unseen & (Unseen::MOVER | Unseen::CARRIER);
+        if !moves.is_empty() || couples.hands.iter().any(Couple::is_hand_seen) {
             (self.handless_ns, self.resting_ns) = (0, 0);
-        } else if couples.is_captured && self.newest_ns > 0 {
+        } else if !couples.lacks(Unseen::FRAME) && self.newest_ns > 0 {
             let elapsed_ns = elapsed_ns.min(2 * self.period_ns);
             self.handless_ns = self.handless_ns.saturating_add(elapsed_ns);
             self.resting_ns = self.resting_ns.saturating_add(elapsed_ns);
@@ -122,19 +118,18 @@ impl JobSegmenter {
         if couples.out_of_sight.is_empty() || couples.hands.iter().any(Couple::is_hand_seen) {
             self.has_lost_object = false;
         }
-        if !couples.is_bench_hidden && !self.has_lost_object {
+        if !couples.lacks(Unseen::BENCH) && !self.has_lost_object {
             self.bench_ns = couples.captured_ns;
         }
         if is_out_of_sight {
             (self.resting_ns, self.has_paused) = (0, false);
         }
-        self.is_disturbed |= couples.has_moved_unseen;
-        self.may_have_begun |= couples.is_carried_unseen;
-        if self.job.is_none_or(|job| job.matched) && couples.is_carried_unseen {
+        self.since_touch |= moves;
+        if self.job.is_none_or(|job| job.matched) && moves.intersects(Unseen::CARRIER) {
             self.unseen_since_ns.get_or_insert(couples.captured_ns);
         }
         self.has_paused |= self.is_between_jobs && self.job.is_none() && self.resting_ns >= self.idle_end_ns;
-        self.has_paused &= !couples.has_moved_unseen && !self.may_have_begun;
+        self.has_paused &= !(moves.intersects(Unseen::MOVER) || self.since_touch.intersects(Unseen::CARRIER));
     }
 
     /// Whether an activity would begin with this couple, if it were the next one.
@@ -144,7 +139,7 @@ impl JobSegmenter {
 
     /// Whether objects have moved since a hand last began to act, while no hand was seen.
     pub fn is_disturbed(&self) -> bool {
-        self.is_disturbed
+        self.since_touch.intersects(Unseen::MOVER)
     }
 
     /// Whether it is known that no job is under way, or that all of it is done.
@@ -160,7 +155,7 @@ impl JobSegmenter {
     /// The encoder has started again between these couples: it does not know that an object which it does not see was in sight before.
     pub fn forget(&mut self, before: &Couples, after: &Couples) {
         let is_lost = (after.out_of_sight & before.out_of_sight) != after.out_of_sight;
-        self.has_lost_object |= before.is_bench_hidden || is_lost;
+        self.has_lost_object |= before.lacks(Unseen::BENCH) || is_lost;
     }
 
     /// Since when a hand that was not seen had worked while there was no job, if that has come to an end: a pause, or the end of the recording.
@@ -196,7 +191,7 @@ impl JobSegmenter {
 
     fn begin(&mut self, began_ns: u64, is_start_seen: bool, emit: &mut impl FnMut(Event)) {
         self.job = Some(OpenJob { began_ns, ended_ns: began_ns, touched: false, matched: false });
-        (self.has_paused, self.may_have_begun) = (false, false);
+        (self.has_paused, self.since_touch) = (false, self.since_touch.without(Unseen::CARRIER));
         let unseen_since_ns = self.unseen_since_ns.take();
         emit(Event::JobBegan { began_ns, is_start_seen, unseen_since_ns });
     }

@@ -1,12 +1,13 @@
 //! Couples of a scripted worker, part by part, and jobs taught from them.
 
 use andon_core::bounds::{Bounds, Range};
+use andon_core::capacity::OBJECTS;
 use andon_core::config::Method;
-use andon_core::couple::{Context, Couple, Couples, Motion, Visibility};
+use andon_core::couple::{Context, Couple, Couples, Motion, Unseen, Visibility};
 use andon_core::input::{Point, Side};
-use andon_core::job::{Job, LocalCost, MeasureBounds, NominalActivity, NominalIu, Shown};
+use andon_core::job::{Job, JobObject, LocalCost, MeasureBounds, NominalActivity, NominalIu, Shown};
 use andon_core::segment::{Event, Iu, Measures, Segmenter};
-use andon_core::set::ActivitySet;
+use andon_core::set::{ActivitySet, ObjectSet};
 use andon_core::verdict::{Outcome, Reason, Verdict};
 
 use super::bench::PERIOD_NS;
@@ -91,12 +92,35 @@ fn couples_of(side: Side, parts: &[Part]) -> Vec<Couple> {
                 context: Context(part.context),
                 distances: [0.01, 0.01],
                 visibility: [visibility(part.seen), visibility(part.sighted), Visibility::Seen],
-                is_clear: part.seen && part.sighted,
-                is_doubtful: !(part.seen && part.sighted),
+                unseen: (Unseen::CONTEXT | Unseen::CHANGE).when(!(part.seen && part.sighted)),
                 ..Couple::idle(side, index as u64 * PERIOD_NS)
             }
         })
         .collect()
+}
+
+/// The parts of all tests have no higher ids.
+const PARTS: usize = 16;
+
+/// The ids of those parts, and of one more object for each of sixteen activities, which uses that and moves it for good.
+const OBJECTS_OF_ALL: [u16; OBJECTS] = {
+    let mut ids = [0; OBJECTS];
+    let mut index = 0;
+    while index < OBJECTS {
+        ids[index] = index as u16 + 1;
+        index += 1;
+    }
+    ids
+};
+
+/// The part with this id.
+pub(crate) fn object(id: u16) -> ObjectSet {
+    ObjectSet::of(usize::from(id) - 1)
+}
+
+/// Objects that these activities use and move for good, one each.
+pub(crate) fn objects_of(activities: ActivitySet) -> ObjectSet {
+    activities.iter().map(|activity| PARTS + activity).collect()
 }
 
 /// The couples of both hands. The hand that ends first is idle and out of the picture for the rest.
@@ -112,14 +136,11 @@ pub(crate) fn stream(right: &[Part], left: &[Part]) -> Vec<Couples> {
             Couples {
                 captured_ns,
                 known_ns: captured_ns + 5 * PERIOD_NS,
-                is_captured: true,
-                has_moved_unseen: false,
-                is_carried_unseen: false,
-                is_bench_hidden: false,
-                undone: ActivitySet::EMPTY,
-                out_of_sight: ActivitySet::EMPTY,
-                out_of_sight_object: 0,
-                twice_objects: [0; 5],
+                unseen: Unseen::EMPTY,
+                objects: OBJECTS_OF_ALL,
+                at_start: ObjectSet::EMPTY,
+                out_of_sight: ObjectSet::EMPTY,
+                twice: ObjectSet::EMPTY,
                 hands,
             }
         })
@@ -167,9 +188,22 @@ pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
             NominalActivity { activity: number as u16, ius: ius.leak() }
         })
         .collect();
+    let object = |id: u16| {
+        let uses = |nominal: &&NominalActivity<'_>| nominal.ius.iter().any(|iu| iu.context.involves(id));
+        let used_by = nominal.iter().filter(uses).map(|nominal| usize::from(nominal.activity)).collect();
+        JobObject { id, used_by, moved_by: ActivitySet::EMPTY }
+    };
+    let other = |(number, id): (usize, u16)| JobObject {
+        id,
+        used_by: ActivitySet::of(number),
+        moved_by: ActivitySet::of(number),
+    };
+    let others = OBJECTS_OF_ALL.into_iter().skip(PARTS).enumerate().map(other);
+    let objects: Vec<JobObject> = (1..=PARTS as u16).map(object).chain(others).collect();
     Job {
         activities: nominal.leak(),
         laws: &[],
+        objects: objects.leak(),
         passive_contacts: &[],
         cost: LocalCost::Circular { bins: 8 },
         max_slowdown: 2.0,

@@ -24,7 +24,7 @@ use crate::strictness::Strictness;
 use andon_core::bounds::Bounds;
 use andon_core::config::Method;
 use andon_core::couple::{Context, Motion};
-use andon_core::job::{Job, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu};
+use andon_core::job::{Job, JobObject, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu};
 use andon_core::object::ObjectShape;
 use andon_core::set::ActivitySet;
 use serde::Deserialize;
@@ -125,6 +125,9 @@ pub struct TaughtStep {
     pub runs: u16,
     /// Its relations to activities before it.
     pub after: Vec<Relation>,
+    /// The ids of the objects that it moves for good from where they lie at the beginning. The file has that with these.
+    #[serde(skip)]
+    pub moves: Vec<u16>,
 }
 
 /// A recording that a job was taught from.
@@ -207,11 +210,14 @@ impl JobFile {
             .map(|(taught, ius)| NominalActivity { activity: taught.activity, ius })
             .collect();
         let laws: Vec<Law> = self.steps.iter().map(TaughtStep::law).collect();
+        let objects: Vec<JobObject> =
+            self.objects.iter().map(|object| self.use_of(object.shape.id)).collect();
         let Self { cost, max_slowdown, has_free_ends, .. } = *self;
         let min_captured = self.min_rate_hz / self.method.rate_hz;
         judge(&Job {
             activities: &activities,
             laws: &laws,
+            objects: &objects,
             passive_contacts: &self.passive_contacts,
             cost,
             max_slowdown,
@@ -220,15 +226,18 @@ impl JobFile {
         })
     }
 
-    /// The shapes of the objects as the encoder needs them, which then says for which activities too little is seen.
+    /// The shapes of the objects as the encoder needs them.
     pub fn shapes(&self) -> Vec<ObjectShape> {
-        let used_by = |id: u16| -> ActivitySet {
-            let uses = |taught: &&TaughtActivity| taught.ius.iter().any(|iu| iu.context.involves(id));
-            self.activities.iter().filter(uses).map(|taught| usize::from(taught.activity)).collect()
-        };
-        let shape =
-            |object: &NamedObject| ObjectShape { used_by: used_by(object.shape.id), ..object.shape.clone() };
-        self.objects.iter().map(shape).collect()
+        self.objects.iter().map(|object| object.shape.clone()).collect()
+    }
+
+    /// What the job does with this object.
+    fn use_of(&self, id: u16) -> JobObject {
+        let uses = |taught: &&TaughtActivity| taught.ius.iter().any(|iu| iu.context.involves(id));
+        let used_by = self.activities.iter().filter(uses).map(|taught| usize::from(taught.activity));
+        let steps = self.steps.iter().enumerate();
+        let moved_by = steps.filter(|(_, step)| step.moves.contains(&id)).map(|(number, _)| number);
+        JobObject { id, used_by: used_by.collect(), moved_by: moved_by.collect() }
     }
 
     /// Identifies the model: the same text gives the same number on every machine.

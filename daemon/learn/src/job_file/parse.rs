@@ -11,7 +11,7 @@ use andon_core::config::{Contact, Method};
 use andon_core::couple::Context;
 use andon_core::input::{Point, Space};
 use andon_core::job::{LocalCost, MeasureBounds, Shown};
-use andon_core::object::{Meeting, ObjectShape, StartPlace};
+use andon_core::object::{Meeting, ObjectShape};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -240,6 +240,13 @@ fn job_of(text: JobText) -> Result<JobFile, JobFault> {
         CostText::Ordinal => LocalCost::Ordinal,
         CostText::Circular => LocalCost::Circular { bins },
     };
+    let moves = |number: usize| -> Vec<u16> {
+        let is_moved =
+            |object: &&ObjectText| object.start.iter().any(|start| start.moved_by.contains(&number));
+        text.object.iter().filter(is_moved).map(|object| object.id).collect()
+    };
+    let steps = text.step.into_iter().enumerate();
+    let steps = steps.map(|(number, step)| TaughtStep { moves: moves(number), ..step }).collect();
     let objects = text.object.into_iter().enumerate().map(|(index, object)| object_of(index, object));
     let activities =
         text.activity.into_iter().enumerate().map(|(index, activity)| activity_of(index, activity));
@@ -247,7 +254,7 @@ fn job_of(text: JobText) -> Result<JobFile, JobFault> {
         id: text.id,
         name: text.name,
         passive_contacts: text.rests,
-        steps: text.step,
+        steps,
         cost,
         max_slowdown: text.method.max_slowdown,
         has_free_ends: text.method.free_ends,
@@ -292,16 +299,14 @@ fn object_of(index: usize, text: ObjectText) -> Result<NamedObject, JobFault> {
             meetings: fitting(&meetings, &format!("{key}.meetings"))?,
             incidental: fitting(&text.incidental, &format!("{key}.incidental"))?,
             is_position_only: text.position_only,
-            start: text.start.map(start_of),
-            ..ObjectShape::default()
+            start: text
+                .start
+                .map(|StartText { place_m: [x, y, z, max], .. }| Around { centre: [x, y, z], max }),
         },
     })
 }
 
-fn start_of(StartText { place_m: [x, y, z, max], moved_by }: StartText) -> StartPlace {
-    StartPlace { place: Around { centre: [x, y, z], max }, moved_by: moved_by.into_iter().collect() }
-}
-
+/// As many items as there may be.
 fn fitting<T: Clone, const MAX: usize>(items: &[T], key: &str) -> Result<heapless::Vec<T, MAX>, JobFault> {
     heapless::Vec::from_slice(items).map_err(|_| JobFault::Invalid {
         key: key.to_owned(),

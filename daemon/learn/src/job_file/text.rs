@@ -8,7 +8,7 @@ use andon_core::config::Contact;
 use andon_core::couple::Context;
 use andon_core::input::{Point, Side};
 use andon_core::job::{MeasureBounds, Shown};
-use andon_core::object::{Meeting, ObjectShape, StartPlace};
+use andon_core::object::{Meeting, ObjectShape};
 use std::fmt::Write as _;
 
 /// Appends a line. Writing to a `String` cannot fail, so the result is ignored here, once.
@@ -45,7 +45,7 @@ impl JobFile {
         line!(text, "rests = {:?}", self.passive_contacts);
         self.provenance_text(&mut text);
         self.method_text(&mut text);
-        self.objects.iter().for_each(|object| object_text(&mut text, object));
+        self.objects.iter().for_each(|object| self.object_text(&mut text, object));
         self.steps_text(&mut text);
         text.push_str(
             "
@@ -149,6 +149,58 @@ impl JobFile {
         }
     }
 
+    fn object_text(&self, text: &mut String, object: &NamedObject) {
+        let ObjectShape { id, interaction_points, meetings, incidental, is_position_only, start } =
+            &object.shape;
+        line!(text, "\n[[object]]\nid = {id}\nname = {}", quoted(&object.name));
+        line!(text, "# Where it can be touched, in metres in its own frame.");
+        line!(text, "interaction_points = {}", points_text(interaction_points));
+        if *is_position_only {
+            line!(
+                text,
+                "# Its orientation differed from run to run where its way did not: only its position counts."
+            );
+            line!(text, "position_only = true");
+        }
+        if !incidental.is_empty() {
+            line!(
+                text,
+                "# It comes near the objects with these ids by chance only, so that there is no contact between them."
+            );
+            line!(text, "incidental = {incidental:?}");
+        }
+        if let Some(place) = start {
+            line!(
+                text,
+                "# Where it lies until the activities with these numbers have moved it for good: a centre on the bench, and the"
+            );
+            line!(text, "# maximum distance from it, in metres.");
+            let [x, y, z] = place.centre;
+            let moved_by: Vec<usize> = self.use_of(*id).moved_by.iter().collect();
+            line!(
+                text,
+                "start = {{ place_m = [{x:?}, {y:?}, {z:?}, {:?}], moved_by = {moved_by:?} }}",
+                place.max
+            );
+        }
+        if !meetings.is_empty() {
+            line!(
+                text,
+                "# Where and how near the runs show it to be met, by a hand (0) or by another object: by the finger tips or"
+            );
+            line!(
+                text,
+                "# the position of that, in metres in the frame of this object; without points at the interaction points."
+            );
+            line!(text, "meetings = [");
+            for Meeting { with, points, contact: Contact { on_m, off_m } } in meetings {
+                let points = points_text(points);
+                line!(text, "  {{ with = {with}, points = {points}, on_m = {on_m:?}, off_m = {off_m:?} }},");
+            }
+            line!(text, "]");
+        }
+    }
+
     fn activity_text(&self, text: &mut String, activity: &TaughtActivity) {
         line!(text, "\n[[activity]]\n# The number of the activity of the job that this sequence fulfils.");
         line!(text, "activity = {}", activity.activity);
@@ -185,56 +237,6 @@ impl JobFile {
 fn relation_text(relation: &Relation) -> String {
     let Relation { activity, kind, runs, gap_s } = relation;
     format!("{{ activity = {activity}, law = {:?}, runs = {runs}, gap_s = {gap_s:?} }}", kind.name())
-}
-
-fn object_text(text: &mut String, object: &NamedObject) {
-    let ObjectShape { id, interaction_points, meetings, incidental, is_position_only, start, .. } =
-        &object.shape;
-    line!(text, "\n[[object]]\nid = {id}\nname = {}", quoted(&object.name));
-    line!(text, "# Where it can be touched, in metres in its own frame.");
-    line!(text, "interaction_points = {}", points_text(interaction_points));
-    if *is_position_only {
-        line!(
-            text,
-            "# Its orientation differed from run to run where its way did not: only its position counts."
-        );
-        line!(text, "position_only = true");
-    }
-    if !incidental.is_empty() {
-        line!(
-            text,
-            "# It comes near the objects with these ids by chance only, so that there is no contact between them."
-        );
-        line!(text, "incidental = {incidental:?}");
-    }
-    if let Some(StartPlace { place, moved_by }) = start {
-        line!(
-            text,
-            "# Where it lies until the activities with these numbers have moved it for good: a centre on the bench, and the"
-        );
-        line!(text, "# maximum distance from it, in metres.");
-        let [x, y, z] = place.centre;
-        let moved_by: Vec<usize> = moved_by.iter().collect();
-        line!(
-            text,
-            "start = {{ place_m = [{x:?}, {y:?}, {z:?}, {:?}], moved_by = {moved_by:?} }}",
-            place.max
-        );
-    }
-    if !meetings.is_empty() {
-        text.push_str(
-            "\
-# Where and how near the runs show it to be met, by a hand (0) or by another object: by the finger tips or
-# the position of that, in metres in the frame of this object; without points at the interaction points.
-meetings = [
-",
-        );
-        for Meeting { with, points, contact: Contact { on_m, off_m } } in meetings {
-            let points = points_text(points);
-            line!(text, "  {{ with = {with}, points = {points}, on_m = {on_m:?}, off_m = {off_m:?} }},");
-        }
-        line!(text, "]");
-    }
 }
 
 fn points_text(points: &[Point]) -> String {

@@ -83,7 +83,7 @@ fn object(objects: &[NamedObject], index: usize) -> Result<(), JobFault> {
     rule(incidental.iter().all(is_other), &format!("{key}.incidental"), || {
         "each must be the id of another object of the job".to_owned()
     })?;
-    rule(start.is_none_or(|start| start.place.is_valid()), &format!("{key}.start"), || {
+    rule(start.is_none_or(|place| place.is_valid()), &format!("{key}.start"), || {
         "its place must be a finite centre and a distance of at least 0".to_owned()
     })
 }

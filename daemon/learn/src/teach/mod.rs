@@ -243,7 +243,8 @@ impl<'a> Teaching<'a> {
 
     /// Finds where parts lie before the job moves them.
     fn start(&mut self) {
-        self.report.job.objects = start::found(&self.runs, &self.agreement, self.options.method.space);
+        let job = &mut self.report.job;
+        job.objects = start::found(&self.runs, &self.agreement, self.options.method.space, &mut job.steps);
     }
 
     /// Gives each step the name that it had, or else proposes one.

@@ -85,6 +85,7 @@ pub(super) fn steps(
             allows_insertions: allows_insertions(later, agreement),
             runs: count as u16,
             after: after.collect(),
+            moves: Vec::new(),
         }
     };
     let mut steps: Vec<TaughtStep> = (0..all.len()).map(step).collect();

@@ -9,28 +9,37 @@ use super::meetings::{PUT_BACK_M, PUT_DOWN_M};
 use super::people::People;
 use super::sequence::Agreement;
 use super::strength::Strength;
+use crate::job_file::TaughtStep;
 use crate::recording::NamedObject;
 use crate::run::{Activity, Run};
 use crate::statistics::median_point;
 use andon_core::bounds::Around;
 use andon_core::input::{Point, Space};
-use andon_core::object::StartPlace;
-use andon_core::set::ActivitySet;
+use andon_core::object::ObjectShape;
 
 /// How people in general differ in where they put a part down that has no place of its own, in metres. With 3 cm a part of the films has no start
 /// any more; halved and doubled, no verdict on 198 other jobs changes.
 const PRIOR_PUT_DOWN_M: f64 = 0.02;
 
-/// The objects of the runs, each with where it lies first, if the runs show that.
-pub(super) fn found(runs: &[Run], agreement: &Agreement, space: Space) -> Vec<NamedObject> {
+/// The objects of the runs, each with where it lies first, if the runs show that. Takes note of which steps move it from there.
+pub(super) fn found(
+    runs: &[Run],
+    agreement: &Agreement,
+    space: Space,
+    steps: &mut [TaughtStep],
+) -> Vec<NamedObject> {
+    steps.iter_mut().for_each(|step| step.moves.clear());
     let mut objects = runs[0].objects.clone();
-    for object in &mut objects {
-        object.shape.start = start_of(object.shape.id, runs, agreement, space);
+    for ObjectShape { id, start, .. } in objects.iter_mut().map(|object| &mut object.shape) {
+        let (place, moved_by) = start_of(*id, runs, agreement, space).unzip();
+        *start = place;
+        moved_by.into_iter().flatten().for_each(|step: usize| steps[step].moves.push(*id));
     }
     objects
 }
 
-fn start_of(id: u16, runs: &[Run], agreement: &Agreement, space: Space) -> Option<StartPlace> {
+/// Where an object lies first, and the steps that move it from there for good.
+fn start_of(id: u16, runs: &[Run], agreement: &Agreement, space: Space) -> Option<(Around<3>, Vec<usize>)> {
     // One run shows one place, and not that it is always there.
     if agreement.used.len() < 2 {
         return None;
@@ -52,8 +61,8 @@ fn start_of(id: u16, runs: &[Run], agreement: &Agreement, space: Space) -> Optio
             centre - apart > f64::from(place.max)
         })
     };
-    let moved_by: ActivitySet = (0..agreement.steps.len()).filter(moves).collect();
-    (place.max <= PUT_BACK_M && !moved_by.is_empty()).then_some(StartPlace { place, moved_by })
+    let moved_by: Vec<usize> = (0..agreement.steps.len()).filter(moves).collect();
+    (place.max <= PUT_BACK_M && !moved_by.is_empty()).then_some((place, moved_by))
 }
 
 /// How near its place an object comes after this activity, in metres; `None` if that does not act on it, or it is not seen any more.

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::path::Path;
 
+use andon_core::couple::Unseen;
 use andon_core::verdict::{Level, Outcome, Verdict};
 
 use super::watch::Received;
@@ -25,7 +26,7 @@ impl Row {
     pub(super) fn new(clip: &Path, received: &Received, names: &Names, rate_hz: f32) -> Self {
         let verdicts: Vec<Verdict> = received.verdicts.iter().filter_map(wire::verdict::read).collect();
         let couples = received.couples.iter().map(wire::couples::read);
-        let captured = couples.filter(|couples| couples.is_captured).count();
+        let captured = couples.filter(|couples| !couples.lacks(Unseen::FRAME)).count();
         let said = said(&verdicts);
         Self {
             clip: clip.file_name().unwrap_or_default().to_string_lossy().into_owned(),

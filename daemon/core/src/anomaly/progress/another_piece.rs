@@ -2,56 +2,33 @@
 
 use super::Progress;
 use crate::capacity::HANDS;
-use crate::couple::{Couple, Couples};
+use crate::couple::{Couple, Couples, Unseen};
 use crate::input::Side;
 use crate::job::{NominalActivity, NominalIu};
 use crate::set::ActivitySet;
 
-/// The time that nobody watched since a hand was last seen to act.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Unwatched {
-    newest_ns: u64,
-    frames: u32,
-}
-
-impl Unwatched {
-    /// Before the first couples.
-    pub(super) const fn new() -> Self {
-        Self { newest_ns: u64::MAX, frames: 0 }
-    }
-
-    /// Nothing that was not seen up to now matters.
-    pub(super) fn forget(&mut self) {
-        self.frames = 0;
-    }
-}
-
 impl Progress<'_> {
-    /// Takes the next couples. Nobody watches where no frame came, or one that shows neither a hand nor all that lay on the bench.
-    pub(in crate::anomaly) fn watch(&mut self, couples: &Couples, period_ns: u64) {
-        let Unwatched { newest_ns, frames } = &mut self.unwatched;
-        let elapsed_ns = couples.captured_ns.saturating_sub(*newest_ns).saturating_add(period_ns / 2);
-        let elapsed = u32::try_from(elapsed_ns / period_ns).unwrap_or(u32::MAX).max(1);
-        let is_any_seen = couples.hands.iter().any(Couple::is_hand_seen) || !couples.is_bench_hidden;
-        let is_watched = couples.is_captured && is_any_seen;
-        *frames = frames.saturating_add(elapsed - u32::from(is_watched));
-        *newest_ns = couples.captured_ns;
+    /// Takes the next couples, which come as many frames after those before. Nobody watches where no frame came, or one that shows neither a hand nor all that lay on the bench.
+    pub(in crate::anomaly) fn watch(&mut self, couples: &Couples, frames: u32) {
+        let is_any_seen = couples.hands.iter().any(Couple::is_hand_seen) || !couples.lacks(Unseen::BENCH);
+        let is_watched = !couples.lacks(Unseen::FRAME) && is_any_seen;
+        self.unwatched = self.unwatched.saturating_add(frames - u32::from(is_watched));
     }
 
     /// A hand is seen to do a step of the job: from here on the piece is the same while it is watched.
     pub(in crate::anomaly) fn see_step(&mut self) {
-        self.unwatched.forget();
+        self.unwatched = 0;
     }
 
     /// A hand begins the IU with this number of one of these nominal activities. Takes note of whether it may belong to another piece than what
     /// came before: nobody watched for as long as the quickest of those who taught the job need to end this piece and to begin another one up to
     /// this IU.
     pub(in crate::anomaly) fn note_another_piece(&mut self, side: Side, nominal: ActivitySet, ius: usize) {
-        let fits = |nominal: &NominalActivity<'_>| self.unwatched.frames >= self.exchange(side, nominal, ius);
+        let fits = |nominal: &NominalActivity<'_>| self.unwatched >= self.exchange(side, nominal, ius);
         let all = self.job.activities;
-        if self.is_open && nominal.iter().filter_map(|nominal| all.get(nominal)).any(fits) {
+        if self.state.is_open && nominal.iter().filter_map(|nominal| all.get(nominal)).any(fits) {
             let cause = self.unseen_cause();
-            self.first_unjudged = self.first_unjudged.or(Some((cause, None)));
+            self.state.first_unjudged = self.state.first_unjudged.or(Some((cause, None)));
         }
     }
 
@@ -59,15 +36,16 @@ impl Progress<'_> {
     pub(super) fn may_have_begun_unwatched(&self) -> bool {
         let first = self.first().iter().filter_map(|activity| self.quickest(activity));
         let quickest = first.map(|(_, frames)| frames.max(2 * self.persist_frames)).min();
-        quickest.is_some_and(|frames| self.unwatched.frames >= frames)
+        quickest.is_some_and(|frames| self.unwatched >= frames)
     }
 
     /// The minimum number of frames in which this piece is ended and another one begun, up to an IU of a nominal activity. Both hands may work at
     /// once, and what the other hand is in the middle of may be about to end.
     fn exchange(&self, side: Side, nominal: &NominalActivity<'_>, ius: usize) -> u32 {
         let activity = ActivitySet::of(nominal.activity.into());
-        let is_left = self.required.without(self.tried()).intersects(activity);
-        let left = self.required.without(self.tried() | self.underway[side.other().index()] | activity);
+        let is_left = self.state.required.without(self.tried()).intersects(activity);
+        let left =
+            self.state.required.without(self.tried() | self.state.underway[side.other().index()] | activity);
         let (came, rest) = nominal.ius.split_at(ius.min(nominal.ius.len()));
         let mut frames = [0u32; HANDS];
         frames[side.index()] = quickest(came).saturating_add(if is_left { quickest(rest) } else { 0 });
@@ -91,7 +69,9 @@ impl Progress<'_> {
     /// The required activities that laws put before this one, directly or by others between them.
     fn before(&self, activity: ActivitySet) -> ActivitySet {
         let step = |set: ActivitySet| {
-            (set | activity).iter().fold(set, |set, one| set | self.job.law(one).after() & self.required)
+            (set | activity)
+                .iter()
+                .fold(set, |set, one| set | self.job.law(one).after() & self.state.required)
         };
         self.all.iter().fold(ActivitySet::EMPTY, |set, _| step(set))
     }

@@ -8,12 +8,11 @@ mod unseen;
 
 use super::occlusion::{Cause, OcclusionLog};
 use crate::capacity::HANDS;
-use crate::couple::{Context, Couple};
+use crate::couple::{Context, Couple, Couples, Unseen};
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
-use crate::set::ActivitySet;
+use crate::set::{ActivitySet, ObjectSet};
 use crate::verdict::{BrokenOrder, Measured, Missing, Note, Reason};
-use another_piece::Unwatched;
 pub(super) use another_piece::quickest;
 
 /// Two unrelated steps come in one order in as many runs by chance in 3 of 100 jobs (2^-5).
@@ -30,31 +29,20 @@ struct Fault {
     broken: Option<BrokenOrder>,
 }
 
-/// The progress of the open job, and the time. Its sets have the numbers of activities, not those of nominal ones.
-#[derive(Clone, Debug)]
-pub(super) struct Progress<'a> {
-    pub(super) job: &'a Job<'a>,
-    /// All activities of the job.
-    all: ActivitySet,
+/// What is known of the open job, or of the one before if none is open. Its sets have the numbers of activities, not those of nominal ones.
+#[derive(Clone, Debug, Default)]
+struct JobState {
     /// The activities without which the job is not complete, as it has been done so far.
     required: ActivitySet,
-    /// How many frames a change takes to be believed.
-    pub(super) persist_frames: u32,
-    /// The time of the newest couples.
-    pub(super) now_ns: u64,
-    /// The time of the newest frame that they depend on.
-    pub(super) known_ns: u64,
     began_ns: u64,
     /// Since when a hand that was not seen had worked before it. If the job is right, that was another piece.
-    pub(super) unseen_since_ns: Option<u64>,
+    unseen_since_ns: Option<u64>,
     /// How many activities have begun.
     activities: u16,
     /// The number of the first of them that is a step of the job, as far as its first IU shows.
     first_step: Option<u16>,
     /// Activities that were done right.
     done: ActivitySet,
-    /// The activities that may have come unseen since the last job ended.
-    unseen: ActivitySet,
     /// Activities that were done but not judged.
     unjudged: ActivitySet,
     /// Activities that were tried and done wrong.
@@ -87,34 +75,17 @@ pub(super) struct Progress<'a> {
     is_start_seen: bool,
     /// The activities that may have come before the first one that was seen.
     may_precede: ActivitySet,
-    /// The activities that the newest frame shows not to have been done, and those that some frame has shown so between the last job and the
-    /// first touch of this one.
-    seen_undone: ActivitySet,
-    undone_first: ActivitySet,
     /// The activities whose part has been away from where the job begins in some frame of this job.
     left: ActivitySet,
-    /// The activities that use an object which has not been seen since the last job ended or the encoder started; `None` before the first frame.
-    never_seen: Option<ActivitySet>,
-    /// The activities that use an object which is out of sight in the newest couples.
-    out_of_sight: ActivitySet,
-    /// The id of that object, or 0 where none is known.
-    never_seen_object: u16,
-    /// The id of such an object while activities may have been done with it unseen, or 0.
-    overlooked_object: u16,
     /// What came, or may have, and may belong to the next job: nothing after a job that was right.
     carried_over: ActivitySet,
     /// What came again, or may have come unseen since all came that the open job requires: it may be of the next job.
     may_be_of_next: ActivitySet,
-    unwatched: Unwatched,
-    /// For each hand, what was occluded or never came since then.
-    occlusions: [OcclusionLog; HANDS],
     /// Why what a hand goes on with from the job before was not judged.
     carried_on_cause: Option<Cause>,
     fault: Option<Fault>,
     /// Why something was not judged first, and the number of the activity that is nearest to it.
     first_unjudged: Option<(Cause, Option<u16>)>,
-    /// The couples have broken off.
-    pub(super) is_broken_off: bool,
     /// The job ended only because a touch may have begun the next one, or in a pause: that is assumed, not seen.
     is_end_assumed: bool,
     /// The first note.
@@ -123,113 +94,125 @@ pub(super) struct Progress<'a> {
     is_open: bool,
 }
 
+impl JobState {
+    fn new(job: &Job<'_>) -> Self {
+        let all = job.numbers();
+        let required = all.iter().filter(|activity| job.law(*activity).is_required).collect();
+        Self { required, carried_over: all, ..Self::default() }
+    }
+}
+
+/// The progress of the open job, and the time.
+#[derive(Clone, Debug)]
+pub(super) struct Progress<'a> {
+    pub(super) job: &'a Job<'a>,
+    /// All activities of the job.
+    all: ActivitySet,
+    /// How many frames a change takes to be believed.
+    pub(super) persist_frames: u32,
+    /// The time of the newest couples.
+    pub(super) now_ns: u64,
+    /// The time of the newest frame that they depend on.
+    pub(super) known_ns: u64,
+    state: JobState,
+    /// The activities that may have come unseen since the last job ended.
+    unseen: ActivitySet,
+    /// The activities that the newest frame shows not to have been done, and those that some frame has shown so between the last job and the
+    /// first touch of this one.
+    seen_undone: ActivitySet,
+    undone_first: ActivitySet,
+    /// The activities that use an object which has not been seen since the last job ended or the encoder started; `None` before the first frame.
+    never_seen: Option<ActivitySet>,
+    /// The activities that use an object which is out of sight in the newest couples.
+    out_of_sight: ActivitySet,
+    /// The id of such an object while activities may have been done with it unseen, or 0.
+    overlooked_object: u16,
+    /// For how many frames nobody has watched since a hand was last seen to act.
+    unwatched: u32,
+    /// For each hand, what has been missed since then.
+    occlusions: [OcclusionLog; HANDS],
+    /// The couples have broken off.
+    pub(super) is_broken_off: bool,
+}
+
 impl<'a> Progress<'a> {
     pub(super) fn new(job: &'a Job<'a>, persist_frames: u32, occlusions: [OcclusionLog; HANDS]) -> Self {
-        let all = job.numbers();
         Self {
             job,
-            all,
-            required: all.iter().filter(|activity| job.law(*activity).is_required).collect(),
+            all: job.numbers(),
             persist_frames,
             now_ns: 0,
             known_ns: 0,
-            began_ns: 0,
-            unseen_since_ns: None,
-            activities: 0,
-            first_step: None,
-            done: ActivitySet::EMPTY,
+            state: JobState::new(job),
             unseen: ActivitySet::EMPTY,
-            unjudged: ActivitySet::EMPTY,
-            wrong: ActivitySet::EMPTY,
-            instead: ActivitySet::EMPTY,
-            waiting: [ActivitySet::EMPTY; HANDS],
-            may_have_ended: [ActivitySet::EMPTY; HANDS],
-            underway: [ActivitySet::EMPTY; HANDS],
-            may_be_underway: [ActivitySet::EMPTY; HANDS],
-            newest_ns: [0; HANDS],
-            seen_to_begin_ns: [0; HANDS],
-            begun_before: [ActivitySet::EMPTY; HANDS],
-            came_before: [ActivitySet::EMPTY; HANDS],
-            certainly_begun_before: [ActivitySet::EMPTY; HANDS],
-            may_have_ended_before: [ActivitySet::EMPTY; HANDS],
-            is_hidden: [false; HANDS],
-            is_start_seen: false,
-            may_precede: ActivitySet::EMPTY,
             seen_undone: ActivitySet::EMPTY,
             undone_first: ActivitySet::EMPTY,
-            left: ActivitySet::EMPTY,
             never_seen: None,
             out_of_sight: ActivitySet::EMPTY,
-            never_seen_object: 0,
             overlooked_object: 0,
-            carried_over: all,
-            may_be_of_next: ActivitySet::EMPTY,
-            unwatched: Unwatched::new(),
+            unwatched: 0,
             occlusions,
-            carried_on_cause: None,
-            fault: None,
-            first_unjudged: None,
             is_broken_off: false,
-            is_end_assumed: false,
-            note: None,
-            is_open: false,
         }
     }
 
-    pub(super) fn begin(&mut self, began_ns: u64, is_start_seen: bool) {
+    /// A job begins, and since when a hand that was not seen had worked before it.
+    pub(super) fn begin(&mut self, began_ns: u64, is_start_seen: bool, unseen_since_ns: Option<u64>) {
         // Before a start that was seen, nothing of the job was hidden.
         if is_start_seen {
             self.forget_hidden();
         }
-        let (undone, undone_first) = (self.seen_undone, self.undone_first | self.seen_undone);
         let may_precede = match self.may_have_begun_unwatched() {
             _ if is_start_seen => ActivitySet::EMPTY,
             true => self.all,
-            false => self.carried_over,
+            false => self.state.carried_over,
         };
-        let may_precede = may_precede.without(undone_first | self.behind(undone_first));
-        *self = Self {
+        self.undone_first |= self.seen_undone;
+        self.unseen = self.unseen.without(self.seen_undone);
+        let may_precede = may_precede.without(self.undone_first | self.behind(self.undone_first));
+        self.state = JobState {
             began_ns,
-            now_ns: self.now_ns,
-            known_ns: self.known_ns,
+            unseen_since_ns,
             is_start_seen: may_precede.is_empty(),
             may_precede,
-            unseen: self.unseen.without(undone),
-            seen_undone: undone,
-            undone_first,
-            left: self.all.without(undone),
-            never_seen: self.never_seen,
-            out_of_sight: self.out_of_sight,
-            never_seen_object: self.never_seen_object,
-            overlooked_object: self.overlooked_object,
-            unwatched: self.unwatched,
+            left: self.all.without(self.seen_undone),
             is_open: true,
-            ..Self::new(self.job, self.persist_frames, self.occlusions)
+            ..JobState::new(self.job)
         };
     }
 
-    /// The bench shows that these activities have not been done. What has been away from there meanwhile may have been brought back.
-    pub(super) fn set_undone(&mut self, undone: ActivitySet) {
-        self.left |= self.seen_undone.without(undone);
+    /// The same couples, in which only objects count that the job uses.
+    pub(super) fn of_job(&self, couples: &Couples) -> Couples {
+        let is_used = |index: &usize| !self.job.object(couples.objects[*index]).used_by.is_empty();
+        let used = |objects: ObjectSet| objects.iter().filter(is_used).collect();
+        Couples { out_of_sight: used(couples.out_of_sight), twice: used(couples.twice), ..*couples }
+    }
+
+    /// The activities that move what lies where the job begins have not been done. What has been away from there may have been brought back.
+    pub(super) fn set_at_start(&mut self, couples: &Couples) {
+        let undone = couples.ids(couples.at_start).map(|id| self.job.object(id).moved_by);
+        let undone = undone.fold(ActivitySet::EMPTY, |all, moved| all | moved);
+        self.state.left |= self.seen_undone.without(undone);
         self.seen_undone = undone;
         let undone = self.undone();
-        (self.unseen, self.may_precede) = (self.unseen.without(undone), self.may_precede.without(undone));
-        if !self.is_open {
+        (self.unseen, self.state.may_precede) =
+            (self.unseen.without(undone), self.state.may_precede.without(undone));
+        if !self.state.is_open {
             self.undone_first |= undone;
         }
     }
 
     /// The activities that the bench shows not to have come in this job: what they move for good lies where it lay, and has not been away.
     fn undone(&self) -> ActivitySet {
-        self.seen_undone.without(self.left)
+        self.seen_undone.without(self.state.left)
     }
 
     /// Whether the bench has been set for the next piece: what an activity that was judged moves for good lies where the job began again,
     /// after it had been away, with all that lay there then.
     pub(super) fn is_set_anew(&self) -> bool {
-        let is_back = self.seen_undone & self.left;
-        self.is_open
-            && is_back.intersects(self.done | self.wrong)
+        let is_back = self.seen_undone & self.state.left;
+        self.state.is_open
+            && is_back.intersects(self.state.done | self.state.wrong)
             && self.undone_first.without(self.seen_undone).is_empty()
     }
 
@@ -241,7 +224,7 @@ impl<'a> Progress<'a> {
 
     /// The next touch is the first one of a job.
     pub(super) fn expect_start(&mut self) {
-        self.carried_over = ActivitySet::EMPTY;
+        self.state.carried_over = ActivitySet::EMPTY;
     }
 
     /// A hand is hidden or not, and has been for this long up to now.
@@ -251,25 +234,29 @@ impl<'a> Progress<'a> {
             let may_have_come = self.activities_with(|ius| frames >= quickest(ius) / 2);
             self.unseen |= may_have_come;
             if self.is_matched() {
-                self.may_be_of_next |= may_have_come;
+                self.state.may_be_of_next |= may_have_come;
             }
         }
-        self.is_hidden[side.index()] = is_hidden;
+        self.state.is_hidden[side.index()] = is_hidden;
     }
 
-    /// Takes how well the next couple of a hand shows what it does. A hand that has never been seen is not hidden.
-    pub(super) fn count_occluded(&mut self, couple: &Couple, is_captured: bool, is_hidden: bool) {
+    /// Takes how well the next couple of a hand shows what it does, and how many frames after the one before it comes. A hand that has never been
+    /// seen is not hidden.
+    pub(super) fn count_occluded(&mut self, couple: &Couple, frames: u32, is_hidden: bool) {
         let log = &mut self.occlusions[couple.side.index()];
-        log.skip_to(couple.captured_ns, is_captured);
-        if is_hidden || !is_captured {
-            log.count(couple, is_captured);
+        log.skip(frames, couple);
+        if is_hidden || couple.lacks(Unseen::FRAME) {
+            log.count(couple);
         }
     }
 
     /// What was hidden up to now does not matter any more.
     fn forget_hidden(&mut self) {
-        (self.unseen, self.overlooked_object) = (ActivitySet::EMPTY, 0);
-        self.unwatched.forget();
+        self.unseen = ActivitySet::EMPTY;
+        if self.never_seen.is_none_or(ActivitySet::is_empty) {
+            self.overlooked_object = 0;
+        }
+        self.unwatched = 0;
         self.occlusions.iter_mut().for_each(OcclusionLog::forget);
     }
 
@@ -280,7 +267,7 @@ impl<'a> Progress<'a> {
 
     /// A hand goes on with this object, with which it began in the job before; why that was not judged.
     pub(super) fn set_carried_on(&mut self, object: u16, cause: Option<Cause>) {
-        self.carried_on_cause = self.carried_on_cause.or(cause);
+        self.state.carried_on_cause = self.state.carried_on_cause.or(cause);
         self.unseen |= self.activities_with(|ius| ius.iter().any(|iu| iu.context.0[1] == object));
     }
 
@@ -291,10 +278,13 @@ impl<'a> Progress<'a> {
 
     /// The activity with this number is one of these. If it is the first that came, and one with which a job begins, the start was seen.
     fn begin_seen_with(&mut self, number: u16, activities: ActivitySet) {
-        if self.first_step == Some(number) && activities.intersects(self.first()) && !self.is_start_seen {
+        if self.state.first_step == Some(number)
+            && activities.intersects(self.first())
+            && !self.state.is_start_seen
+        {
             let behind = activities | self.behind(activities) | self.usually_behind(activities);
-            self.is_start_seen = true;
-            self.may_precede = self.may_precede.without(behind);
+            self.state.is_start_seen = true;
+            self.state.may_precede = self.state.may_precede.without(behind);
         }
     }
 
@@ -316,7 +306,7 @@ impl<'a> Progress<'a> {
         let of_other = self.opening(context.by_hand(other));
         if !self.opening(context).is_empty() {
             Some(side)
-        } else if !of_other.without(self.tried() | self.underway[other.index()]).is_empty() {
+        } else if !of_other.without(self.tried() | self.state.underway[other.index()]).is_empty() {
             Some(other)
         } else {
             None
@@ -330,7 +320,7 @@ impl<'a> Progress<'a> {
         let parts = if has_been_seen_to_come { &context.0[1..2] } else { &context.0[1..] };
         parts.iter().any(|part| self.job.passive_contacts.contains(part))
             && !opening.is_empty()
-            && !opening.intersects(self.required)
+            && !opening.intersects(self.state.required)
     }
 
     /// Whether all objects of this context belong to the job.
@@ -379,7 +369,7 @@ impl<'a> Progress<'a> {
 
     /// The activities that may have come although nobody has seen them. Less that is observed makes it larger, never smaller.
     fn possibly(&self) -> ActivitySet {
-        self.unseen | self.may_precede
+        self.unseen | self.state.may_precede
     }
 
     /// The number in this job of an activity that this hand begins; whether it was seen to begin then, and is a step of the job.
@@ -390,23 +380,23 @@ impl<'a> Progress<'a> {
         is_begin_seen: bool,
         is_step: bool,
     ) -> u16 {
-        self.newest_ns[side.index()] = began_ns;
-        self.seen_to_begin_ns[side.index()] = if is_begin_seen { began_ns } else { 0 };
-        self.begun_before[side.index()] = self.begun(side.other());
-        let of_other = self.may_be_underway[side.other().index()];
+        self.state.newest_ns[side.index()] = began_ns;
+        self.state.seen_to_begin_ns[side.index()] = if is_begin_seen { began_ns } else { 0 };
+        self.state.begun_before[side.index()] = self.begun(side.other());
+        let of_other = self.state.may_be_underway[side.other().index()];
         let certainly = if of_other.iter().count() == 1 { of_other } else { ActivitySet::EMPTY };
-        self.came_before[side.index()] = self.done | self.wrong;
-        self.certainly_begun_before[side.index()] = self.came_before[side.index()] | certainly;
-        self.may_have_ended_before[side.index()] = self.may_have_ended[side.other().index()];
-        let number = self.activities;
-        self.activities = number.saturating_add(1);
-        self.first_step = self.first_step.or(is_step.then_some(number));
+        self.state.came_before[side.index()] = self.state.done | self.state.wrong;
+        self.state.certainly_begun_before[side.index()] = self.state.came_before[side.index()] | certainly;
+        self.state.may_have_ended_before[side.index()] = self.state.may_have_ended[side.other().index()];
+        let number = self.state.activities;
+        self.state.activities = number.saturating_add(1);
+        self.state.first_step = self.state.first_step.or(is_step.then_some(number));
         number
     }
 
     /// The activity with this number turned out to be none of the job's steps.
     pub(super) fn set_no_step(&mut self, number: u16) {
-        self.first_step = self.first_step.filter(|first| *first != number);
+        self.state.first_step = self.state.first_step.filter(|first| *first != number);
     }
 
     /// The number of the activity that a nominal activity fulfils.
@@ -421,48 +411,48 @@ impl<'a> Progress<'a> {
 
     /// The activities that were tried and done wrong.
     pub(super) fn wrong(&self) -> ActivitySet {
-        self.wrong
+        self.state.wrong
     }
 
     /// The activities that were tried, with whatever outcome.
     fn tried(&self) -> ActivitySet {
-        self.done | self.unjudged | self.wrong
+        self.state.done | self.state.unjudged | self.state.wrong
     }
 
     /// Sets the activity that a hand has matched to its last IU while a longer candidate may still go on.
     pub(super) fn set_waiting(&mut self, side: Side, nominal: Option<usize>) {
-        self.waiting[side.index()] = self.activities_of(nominal);
+        self.state.waiting[side.index()] = self.activities_of(nominal);
     }
 
     /// Sets the nominal activities of which the open activity of a hand may be all.
     pub(super) fn set_may_have_ended(&mut self, side: Side, nominal: impl Iterator<Item = usize>) {
-        self.may_have_ended[side.index()] = self.activities_of(nominal);
+        self.state.may_have_ended[side.index()] = self.activities_of(nominal);
     }
 
     /// One of these nominal activities may be of the next job.
     pub(super) fn set_may_be_of_next(&mut self, nominal: ActivitySet) {
-        self.may_be_of_next |= self.activities_of(nominal.iter());
+        self.state.may_be_of_next |= self.activities_of(nominal.iter());
     }
 
     /// What was tried, and what this hand has begun or may have begun.
     fn begun(&self, side: Side) -> ActivitySet {
-        self.tried() | self.may_be_underway[side.index()]
+        self.tried() | self.state.may_be_underway[side.index()]
     }
 
     /// Sets what the open activity of a hand is as it was seen, and what it may be.
     pub(super) fn set_underway(&mut self, side: Side, as_seen: ActivitySet, may_be: ActivitySet) {
-        self.underway[side.index()] = self.activities_of(as_seen.iter());
-        self.may_be_underway[side.index()] = self.activities_of(may_be.iter());
+        self.state.underway[side.index()] = self.activities_of(as_seen.iter());
+        self.state.may_be_underway[side.index()] = self.activities_of(may_be.iter());
     }
 
     /// A hand has done a nominal activity.
     pub(super) fn set_done(&mut self, number: u16, nominal: usize) {
         let activity = self.activities_of([nominal]);
-        self.may_be_of_next |= self.done & activity;
-        self.done |= activity;
+        self.state.may_be_of_next |= self.state.done & activity;
+        self.state.done |= activity;
         if activity.intersects(self.once()) {
             // What must come behind it has not come before what was seen.
-            self.may_precede = self.may_precede.without(activity | self.behind(activity));
+            self.state.may_precede = self.state.may_precede.without(activity | self.behind(activity));
         }
         self.require_rest_of(nominal);
         self.begin_seen_with(number, activity);
@@ -471,15 +461,15 @@ impl<'a> Progress<'a> {
     /// What completes a nominal activity that does only a part is required now.
     fn require_rest_of(&mut self, nominal: usize) {
         let completes = |activity: &usize| self.job.law(*activity).completes.contains(nominal);
-        self.required |= self.all.iter().filter(completes).collect();
+        self.state.required |= self.all.iter().filter(completes).collect();
     }
 
     /// An activity that is nearest to this nominal one was not judged.
     pub(super) fn set_unjudged(&mut self, nominal: Option<usize>, cause: Cause) {
-        self.unjudged |= self.activities_of(nominal);
+        self.state.unjudged |= self.activities_of(nominal);
         nominal.into_iter().for_each(|nominal| self.require_rest_of(nominal));
         let nearest = nominal.and_then(|nominal| self.number(nominal));
-        self.first_unjudged = self.first_unjudged.or(Some((cause, nearest)));
+        self.state.first_unjudged = self.state.first_unjudged.or(Some((cause, nearest)));
     }
 
     /// If no nominal activity is near a wrong one, and only one could come next, the wrong one came instead of that.
@@ -491,34 +481,39 @@ impl<'a> Progress<'a> {
         broken: Option<BrokenOrder>,
     ) {
         let nearest = nominal.and_then(|nominal| self.number(nominal));
-        self.wrong |= nearest.map(usize::from).or_else(|| self.next_in_order()).into_iter().collect();
-        self.fault =
-            self.fault.or(Some(Fault { reason, missing: Missing::default(), nearest, measured, broken }));
+        self.state.wrong |= nearest.map(usize::from).or_else(|| self.next_in_order()).into_iter().collect();
+        self.state.fault = self.state.fault.or(Some(Fault {
+            reason,
+            missing: Missing::default(),
+            nearest,
+            measured,
+            broken,
+        }));
     }
 
     pub(super) fn set_note(&mut self, note: Option<Note>) {
-        self.note = self.note.or(note);
+        self.state.note = self.state.note.or(note);
     }
 
     /// Whether all that the job requires has come, what waits because a longer candidate may go on included.
     pub(super) fn is_matched(&self) -> bool {
-        self.is_matched_with(self.wrong)
+        self.is_matched_with(self.state.wrong)
     }
 
     /// Whether all that the job requires may have come.
     pub(super) fn may_be_matched(&self) -> bool {
-        let ended = self.may_have_ended.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
-        self.required.without(self.tried() | ended).is_empty()
+        let ended = self.state.may_have_ended.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
+        self.state.required.without(self.tried() | ended).is_empty()
     }
 
     /// The same, but of the activities that were done wrong only these count.
     pub(super) fn is_matched_with(&self, wrong: ActivitySet) -> bool {
-        let waiting = self.waiting.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
-        self.required.without(self.done | self.unjudged | wrong | waiting).is_empty()
+        let waiting = self.state.waiting.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
+        self.state.required.without(self.state.done | self.state.unjudged | wrong | waiting).is_empty()
     }
 
     /// Whether the job has its verdict.
     pub(super) fn is_concluded(&self) -> bool {
-        !self.is_open
+        !self.state.is_open
     }
 }

@@ -28,43 +28,44 @@ impl Progress<'_> {
         is_disturbed: bool,
         may_go_on: bool,
     ) -> bool {
-        if !self.is_open || self.activities == 0 || self.is_unfinished_by_others(side) {
+        if !self.state.is_open || self.state.activities == 0 || self.is_unfinished_by_others(side) {
             return false;
         }
-        if is_disturbed && self.fault.is_some() {
+        if is_disturbed && self.state.fault.is_some() {
             return true;
         }
         if self.is_set_anew() {
-            self.is_end_assumed = may_go_on;
+            self.state.is_end_assumed = may_go_on;
             return true;
         }
-        let (opening, came, first) = (self.opening(context), self.done | self.unjudged, self.first());
+        let (opening, came, first) =
+            (self.opening(context), self.state.done | self.state.unjudged, self.first());
         let is_left = !opening.without(self.tried()).is_empty();
         let (begins, may_begin) = if self.has_order() {
-            let others_came = !(self.tried() | self.underway[side.index()]).without(first).is_empty();
+            let others_came = !(self.tried() | self.state.underway[side.index()]).without(first).is_empty();
             let first = opening & first;
             let first_came = first.intersects(came) && (others_came || is_disturbed)
-                || first.intersects(self.wrong) && others_came;
-            let may_have_come = !self.is_start_seen && !first.intersects(self.undone());
+                || first.intersects(self.state.wrong) && others_came;
+            let may_have_come = !self.state.is_start_seen && !first.intersects(self.undone());
             (first_came && !is_left, !first.is_empty() && may_have_come)
         } else {
             // What the job can do without may come more than once.
-            ((opening & self.required).intersects(came) && !is_left, false)
+            ((opening & self.state.required).intersects(came) && !is_left, false)
         };
         // What was not judged may only go on now.
-        let is_certain = begins && !may_go_on && !opening.intersects(self.unjudged);
-        self.is_end_assumed = (begins || may_begin) && !is_certain;
+        let is_certain = begins && !may_go_on && !opening.intersects(self.state.unjudged);
+        self.state.is_end_assumed = (begins || may_begin) && !is_certain;
         begins || may_begin
     }
 
     /// The job ends with a pause, so that its end is only assumed.
     pub(in crate::anomaly) fn assume_end(&mut self) {
-        self.is_end_assumed = true;
+        self.state.is_end_assumed = true;
     }
 
     /// Whether the end of the job is only assumed.
     pub(in crate::anomaly) fn is_end_assumed(&self) -> bool {
-        self.is_end_assumed
+        self.state.is_end_assumed
     }
 
     /// Whether a touch with this context belongs to the job although all that it requires has come: an optional activity that may still
@@ -74,7 +75,8 @@ impl Progress<'_> {
             Side::ALL.iter().fold(ActivitySet::EMPTY, |all, side| all | self.opening(context.by_hand(*side)));
         let is_none = opening.is_empty() && self.has_parts_of(context);
         // Without an order, what the job can do without may come more than once.
-        let is_optional = !self.has_order() && !opening.is_empty() && !opening.intersects(self.required);
+        let is_optional =
+            !self.has_order() && !opening.is_empty() && !opening.intersects(self.state.required);
         !is_disturbed && (is_none || is_optional || self.opening(context).intersects(self.may_follow()))
     }
 
@@ -84,13 +86,13 @@ impl Progress<'_> {
             .tried()
             .iter()
             .fold(ActivitySet::EMPTY, |all, activity| all | self.job.law(activity).after());
-        self.all.without(self.required | self.tried() | came)
+        self.all.without(self.state.required | self.tried() | came)
     }
 
     /// Whether the other hand is in the middle of an activity that may still come out right.
     fn is_unfinished_by_others(&self, side: Side) -> bool {
         let hand = side.other().index();
-        let underway = self.underway[hand];
-        !underway.is_empty() && self.waiting[hand].is_empty() && !underway.intersects(self.tried())
+        let underway = self.state.underway[hand];
+        !underway.is_empty() && self.state.waiting[hand].is_empty() && !underway.intersects(self.tried())
     }
 }

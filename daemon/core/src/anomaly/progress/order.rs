@@ -11,8 +11,8 @@ use crate::verdict::{BrokenOrder, Note, OrderFault, Reason};
 impl Progress<'_> {
     /// The activity that must come next, if that is only one.
     pub(super) fn next_in_order(&self) -> Option<usize> {
-        let underway = self.underway.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
-        let left = self.required.without(self.tried() | underway);
+        let underway = self.state.underway.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
+        let left = self.state.required.without(self.tried() | underway);
         let is_next = |activity: &usize| !self.job.law(*activity).after().intersects(left);
         let mut next = left.iter().filter(is_next);
         next.next().filter(|_| self.has_order() && next.next().is_none())
@@ -28,13 +28,13 @@ impl Progress<'_> {
             return Some(broken(OrderFault::Again, activity));
         }
         let came = self.begun(side.other()).without(self.begun_after(side));
-        let not_begun = (law.after() & self.required).without(came | self.possibly()).lowest();
+        let not_begun = (law.after() & self.state.required).without(came | self.possibly()).lowest();
         let underway = self.underway_before(side);
         let not_ended = (law.after_end & underway).lowest();
         let others = (self.tried() | underway).without(ActivitySet::of(activity));
         // Where this one is required and had certainly not come, the other one was accused.
         let came_before = if self.is_late_or_repeated(side, activity) {
-            self.tried().without(self.wrong) & self.certainly_begun_before[side.index()]
+            self.tried().without(self.state.wrong) & self.state.certainly_begun_before[side.index()]
         } else if law.is_required || self.possibly().contains(activity) {
             ActivitySet::EMPTY
         } else {
@@ -51,11 +51,12 @@ impl Progress<'_> {
     /// is wrong; the job may have begun with it.
     pub(in crate::anomaly) fn set_done_instead(&mut self, number: u16, nominal: usize) {
         let activities = self.activities_of([nominal]);
-        self.first_step = self.first_step.or(Some(number));
+        self.state.first_step = self.state.first_step.or(Some(number));
         self.begin_seen_with(number, activities);
-        let came = self.tried() | self.underway.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
+        let came =
+            self.tried() | self.state.underway.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
         let is_next = |activity: &usize| {
-            let must_come = self.required.contains(*activity) && !came.contains(*activity);
+            let must_come = self.state.required.contains(*activity) && !came.contains(*activity);
             must_come && self.job.law(*activity).after().without(self.tried()).is_empty()
         };
         if activities.without(self.possibly()).iter().any(|activity| is_next(&activity)) {
@@ -65,7 +66,7 @@ impl Progress<'_> {
 
     /// The work of a nominal activity may have been done with another part, which nothing tells from a part that is held or put aside.
     pub(in crate::anomaly) fn note_instead(&mut self, nominal: usize) {
-        self.instead |= self.activities_of([nominal]);
+        self.state.instead |= self.activities_of([nominal]);
     }
 
     /// An activity has come too early because this one has not come. Where its work may have been done with another part, that part is wrong and not
@@ -73,8 +74,8 @@ impl Progress<'_> {
     pub(in crate::anomaly) fn blame_part(&mut self, broken: &BrokenOrder) -> bool {
         let other = usize::from(broken.activity);
         let is_instead = broken.fault == OrderFault::NotBegun
-            && self.instead.contains(other)
-            && !self.wrong.contains(other);
+            && self.state.instead.contains(other)
+            && !self.state.wrong.contains(other);
         let mut all = self.job.activities.iter();
         let nominal = all.position(|nominal| nominal.activity == broken.activity).filter(|_| is_instead);
         if nominal.is_some() {
@@ -92,14 +93,15 @@ impl Progress<'_> {
     /// again, or one that must come behind it was right, because this one may have come unseen. If it was not the other job's, the order was wrong.
     pub(in crate::anomaly) fn may_be_of_another_job(&self, side: Side, nominal: usize) -> bool {
         self.number(nominal).map(usize::from).is_some_and(|activity| {
-            let comes_again = self.job.law(activity).is_once && self.done.contains(activity);
-            let mut right = self.done.without(self.wrong).iter();
+            let comes_again = self.job.law(activity).is_once && self.state.done.contains(activity);
+            let mut right = self.state.done.without(self.state.wrong).iter();
             let is_new = !self.tried().contains(activity);
             // A law that asks only for the beginning is kept by what began after it.
             let came_too_early = |other: usize| {
                 let law = self.job.law(other);
                 law.after_end.contains(activity)
-                    || law.after_begin.contains(activity) && self.begun_before[side.index()].contains(other)
+                    || law.after_begin.contains(activity)
+                        && self.state.begun_before[side.index()].contains(other)
             };
             comes_again || is_new && right.any(came_too_early)
         })
@@ -109,8 +111,10 @@ impl Progress<'_> {
     fn begun_after(&self, side: Side) -> ActivitySet {
         let other = side.other().index();
         let delay_ns = self.known_ns.saturating_sub(self.now_ns);
-        let is_after = self.seen_to_begin_ns[other] > self.newest_ns[side.index()].saturating_add(delay_ns);
-        let begun_after = self.underway[other].without(self.tried() | self.begun_before[side.index()]);
+        let is_after =
+            self.state.seen_to_begin_ns[other] > self.state.newest_ns[side.index()].saturating_add(delay_ns);
+        let begun_after =
+            self.state.underway[other].without(self.tried() | self.state.begun_before[side.index()]);
         if is_after { begun_after } else { ActivitySet::EMPTY }
     }
 
@@ -118,9 +122,10 @@ impl Progress<'_> {
     fn underway_before(&self, side: Side) -> ActivitySet {
         let hand = side.other().index();
         let underway = self.underway_when_begun(side);
-        if underway.iter().count() == 1 && !self.is_hidden[hand] {
-            let may_have_ended = self.may_have_ended[hand] | self.may_have_ended_before[side.index()];
-            underway.without(self.tried() | self.waiting[hand] | may_have_ended)
+        if underway.iter().count() == 1 && !self.state.is_hidden[hand] {
+            let may_have_ended =
+                self.state.may_have_ended[hand] | self.state.may_have_ended_before[side.index()];
+            underway.without(self.tried() | self.state.waiting[hand] | may_have_ended)
         } else {
             ActivitySet::EMPTY
         }
@@ -129,8 +134,8 @@ impl Progress<'_> {
     /// What the other hand is doing, if it has begun no later than this one.
     fn underway_when_begun(&self, side: Side) -> ActivitySet {
         let other = side.other().index();
-        let is_before = self.newest_ns[other] <= self.newest_ns[side.index()];
-        if is_before { self.underway[other] } else { ActivitySet::EMPTY }
+        let is_before = self.state.newest_ns[other] <= self.state.newest_ns[side.index()];
+        if is_before { self.state.underway[other] } else { ActivitySet::EMPTY }
     }
 
     fn broken(&self, fault: OrderFault, activity: usize, other: usize) -> BrokenOrder {
@@ -140,26 +145,26 @@ impl Progress<'_> {
 
     /// Whether an activity comes a second time.
     fn is_repeated(&self, side: Side, activity: usize) -> bool {
-        self.done.contains(activity) && !self.may_be_next_job(side)
+        self.state.done.contains(activity) && !self.may_be_next_job(side)
     }
 
     /// Whether an activity that comes no second time, and has not been seen to come, comes in this job. If what must come behind it came before it,
     /// it is too late or comes again.
     fn is_late_or_repeated(&self, side: Side, activity: usize) -> bool {
         let law = self.job.law(activity);
-        law.is_once && !self.done.contains(activity) && !self.may_be_next_job(side)
+        law.is_once && !self.state.done.contains(activity) && !self.may_be_next_job(side)
     }
 
     /// Whether all that is left may have come unseen, so that what comes again, or late, belongs to the next job. Two things are assumed: a job
     /// began with the first activity that was seen, if it is one with which a job begins; and what comes once and is what the other hand is in the
     /// middle of has not come, as both hands are at the same piece. Without them 15 of 19 faults of real people are found, and with them 17.
     fn may_be_next_job(&self, side: Side) -> bool {
-        let left = self.required.without(self.came_before[side.index()]);
-        let possibly = if self.is_start_seen { self.unseen } else { self.possibly() };
+        let left = self.state.required.without(self.state.came_before[side.index()]);
+        let possibly = if self.state.is_start_seen { self.unseen } else { self.possibly() };
         let other = side.other().index();
         let possibly = possibly.without(self.underway_when_begun(side) & self.once())
-            | self.may_have_ended[other]
-            | self.unjudged;
+            | self.state.may_have_ended[other]
+            | self.state.unjudged;
         !left.is_empty() && left.without(possibly).is_empty()
     }
 
@@ -167,7 +172,7 @@ impl Progress<'_> {
     pub(in crate::anomaly) fn order_note(&self, side: Side, nominal: usize) -> Option<Note> {
         let activity = usize::from(self.number(nominal)?);
         let came = self.begun(side.other());
-        let usual = self.job.law(activity).usually_after & self.required;
+        let usual = self.job.law(activity).usually_after & self.state.required;
         let is_early = !usual.without(came | self.possibly()).is_empty();
         if self.is_repeated(side, activity) { Some(Note::Again) } else { is_early.then_some(Note::Order) }
     }

@@ -5,6 +5,7 @@
 
 use super::super::occlusion::{Cause, OcclusionLog};
 use super::Progress;
+use crate::couple::Couples;
 use crate::set::ActivitySet;
 use crate::verdict::Reason;
 
@@ -12,11 +13,12 @@ impl Progress<'_> {
     /// Objects have moved without a hand. In the middle of a job that may be a part of it, or the next piece; before its first step, the step
     /// may have been hidden.
     pub(in crate::anomaly) fn set_moved_unseen(&mut self) {
-        if self.is_open && self.activities > 0 && !self.is_matched() {
-            if self.first_step.is_some() {
-                self.first_unjudged = self.first_unjudged.or(Some((self.moved_unseen_cause(), None)));
+        if self.state.is_open && self.state.activities > 0 && !self.is_matched() {
+            if self.state.first_step.is_some() {
+                self.state.first_unjudged =
+                    self.state.first_unjudged.or(Some((self.moved_unseen_cause(), None)));
             } else {
-                (self.is_start_seen, self.may_precede) = (false, self.all);
+                (self.state.is_start_seen, self.state.may_precede) = (false, self.all);
                 self.set_doubtful();
             }
         }
@@ -24,16 +26,18 @@ impl Progress<'_> {
 
     /// The next job may have begun before the first touch that was seen.
     pub(in crate::anomaly) fn doubt_start(&mut self) {
-        if !self.is_open {
-            self.carried_over = self.all;
+        if !self.state.is_open {
+            self.state.carried_over = self.all;
         }
     }
 
-    /// These activities use an object that is out of sight; the id of one of them, or 0.
-    pub(in crate::anomaly) fn set_out_of_sight(&mut self, activities: ActivitySet, object: u16) {
+    /// Takes the objects that are out of sight.
+    pub(in crate::anomaly) fn set_out_of_sight(&mut self, couples: &Couples) {
+        let mut hidden = couples.ids(couples.out_of_sight).map(|id| self.job.object(id)).peekable();
+        let object = hidden.peek().map_or(0, |object| object.id);
+        let activities = hidden.fold(ActivitySet::EMPTY, |all, object| all | object.used_by);
         let never_seen = self.never_seen.map_or(activities, |before| before & activities);
         (self.never_seen, self.out_of_sight) = (Some(never_seen), activities);
-        self.never_seen_object = object;
         self.unseen |= never_seen;
         if !never_seen.is_empty() {
             self.overlooked_object = object;
@@ -47,13 +51,13 @@ impl Progress<'_> {
 
     /// All that was done in the job was done by a hand that was not seen, or was not seen to act.
     pub(in crate::anomaly) fn set_unseen(&mut self) {
-        self.left = self.all;
+        self.state.left = self.all;
         self.set_unjudged(None, self.moved_unseen_cause());
     }
 
     /// The couples break off: the job may go on unseen, and what has not been done is not missing.
     pub(in crate::anomaly) fn break_off(&mut self) {
-        (self.is_broken_off, self.left, self.unseen) = (true, self.all, self.all);
+        (self.is_broken_off, self.state.left, self.unseen) = (true, self.all, self.all);
     }
 
     /// The object that was never seen in this job and that an activity uses which may be what a hand does with this `object`; 0 where it is not
@@ -64,7 +68,7 @@ impl Progress<'_> {
             return None;
         }
         let activities = self.using(object) & never_seen;
-        (!activities.is_empty()).then(|| self.used_by(self.never_seen_object, activities))
+        (!activities.is_empty()).then(|| self.used_by(self.overlooked_object, activities))
     }
 
     /// The activities that use this object.
@@ -85,23 +89,23 @@ impl Progress<'_> {
             Some(activity) if self.used_by(self.overlooked_object, ActivitySet::of(activity)) != 0 => {
                 Cause::object_not_seen(self.overlooked_object)
             }
-            Some(activity) if !self.may_precede.contains(activity) => self.unseen_cause(),
+            Some(activity) if !self.state.may_precede.contains(activity) => self.unseen_cause(),
             _ => Reason::BeginningNotSeen.into(),
         }
     }
 
     /// Why too little is known of the job: what was occluded or never came, or else its beginning.
     pub(in crate::anomaly) fn unseen_cause(&self) -> Cause {
-        let beginning = if self.is_start_seen { Reason::Blind } else { Reason::BeginningNotSeen };
+        let beginning = if self.state.is_start_seen { Reason::Blind } else { Reason::BeginningNotSeen };
         OcclusionLog::main_cause(&self.occlusions, self.job.min_captured, self.persist_frames)
-            .or(self.carried_on_cause)
+            .or(self.state.carried_on_cause)
             .unwrap_or(beginning.into())
     }
 
     /// Why what came may belong to two jobs: what was done is undone again, as the bench shows, and not all was seen. The rest of this job may
     /// not have come, and the next one may have begun.
     pub(super) fn mixed_cause(&self) -> Option<Cause> {
-        let is_undone_again = self.seen_undone.intersects(self.done);
+        let is_undone_again = self.seen_undone.intersects(self.state.done);
         is_undone_again
             .then(|| OcclusionLog::main_cause(&self.occlusions, self.job.min_captured, self.persist_frames))?
     }

@@ -1,7 +1,7 @@
 //! Objects that are seen so seldom that no motion of theirs is measured. A hand that takes one and puts it down between two such
 //! glimpses is not seen to act on it, even where it is seen itself.
 
-use super::squared_distance;
+use super::super::noise::has_moved;
 use crate::input::Point;
 
 /// The places at which an object was seen lately.
@@ -17,13 +17,13 @@ pub(super) struct Glimpses {
 
 impl Glimpses {
     /// Takes where the object is seen in the newest frame, or `None`. Says whether it is carried about unmeasured: it has been farther away than
-    /// `moved_m` at two glimpses in a row, each of them more than `persist` and at most `blind` frames after the one before. What was only
+    /// [`MOVED_M`] at two glimpses in a row, each of them more than `persist` and at most `blind` frames after the one before. What was only
     /// exchanged while nothing was seen has been elsewhere once.
-    pub(super) fn push(&mut self, seen: Option<Point>, persist: u32, blind: u32, moved_m: f32) -> bool {
+    pub(super) fn push(&mut self, seen: Option<Point>, persist: u32, blind: u32) -> bool {
         self.unseen = self.unseen.saturating_add(1);
         let Some(place) = seen else { return false };
         let is_glimpse = persist < self.unseen && self.unseen <= blind;
-        let is_elsewhere = self.newest.is_some_and(|lay| squared_distance(lay, place) > moved_m * moved_m);
+        let is_elsewhere = self.newest.is_some_and(|lay| has_moved(lay, place));
         let moves = if is_glimpse && is_elsewhere { self.moves.saturating_add(1) } else { 0 };
         *self = Self { newest: Some(place), unseen: 0, moves };
         moves >= 2

@@ -5,6 +5,7 @@
 //! afterwards had let go, and nothing is assumed of it.
 
 use super::super::interaction::Interaction;
+use super::super::noise::MOVED_M;
 use super::super::poses::{Grip, ObjectPose, Source};
 use super::{Scene, squared_distance};
 use crate::capacity::HANDS;
@@ -73,7 +74,7 @@ impl Scene {
         let exceeds = |metres: f32| squared_distance(now, earlier) > metres * metres;
         let jitter_m = || self.jitter_bound_m(0, |age| self.seen_object(object, age));
         // The errors come last, because they take longest.
-        Some(exceeds(self.moved_m()) && exceeds(self.drift_m(object)) && exceeds(jitter_m()))
+        Some(exceeds(MOVED_M) && exceeds(self.drift_m(object)) && exceeds(jitter_m()))
     }
 
     /// The object that a hand would carry if it were hidden from now on. One that the hand has been seen to leave behind stays where it is:

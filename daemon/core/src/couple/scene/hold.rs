@@ -2,12 +2,13 @@
 //! seem to make strokes.
 
 use super::super::geometry::{add, rotated, subtract};
+use super::super::noise::has_moved;
 use super::super::poses::{HandPose, ObjectPose, Source};
 use super::{Interaction, Scene, squared_distance};
 use crate::capacity::HANDS;
 use crate::input::Point;
 
-/// The place is the mean of as many frames, the first ones in which the object rests.
+/// The place is the mean of as many frames, the first ones in which the object rests: its error is less than a third of that of one.
 const MEAN_FRAMES: u16 = 10;
 
 /// Where a hand holds an object that has moved with it: the centre of the finger tips in the frame of reference of the object.
@@ -23,10 +24,10 @@ pub(super) struct Hold {
 }
 
 impl Hold {
-    /// One frame later, in which the object rests and is held here. Where it has moved in the hand by `moved_m` before that, as one that two
+    /// One frame later, in which the object rests and is held here. Where it has moved in the hand before that, as one that two
     /// hands carry does, the place begins anew where the hand is seen, so that the hand does not seem to leap.
-    fn rest(self, at: Point, moved_m: f32) -> Self {
-        let has_slipped = self.moves && squared_distance(at, self.at) >= moved_m * moved_m;
+    fn rest(self, at: Point) -> Self {
+        let has_slipped = self.moves && has_moved(at, self.at);
         let known = if has_slipped { 0 } else { self.frames };
         if known == MEAN_FRAMES {
             return Self { moves: false, ..self };
@@ -72,7 +73,7 @@ impl Scene {
                 let new = Hold { object, at, frames: 0, moves: true, away: 0 };
                 Some(Hold { moves: true, ..before.unwrap_or(new) })
             }
-            Some(false) => before.map(|hold| hold.rest(at, self.moved_m())),
+            Some(false) => before.map(|hold| hold.rest(at)),
             None => before,
         }
     }

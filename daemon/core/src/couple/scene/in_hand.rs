@@ -14,6 +14,7 @@
 //! Where nobody has shown how an object is held, nearness says nothing of it: it is in the hand that leads it.
 
 use super::super::geometry::{dot, norm, subtract};
+use super::super::noise::MOVED_M;
 use super::super::poses::Source;
 use super::Scene;
 use crate::capacity::{HANDS, OBJECTS};
@@ -21,7 +22,8 @@ use crate::input::Point;
 use crate::object::REACH_M;
 use core::f32::consts::SQRT_2;
 
-/// Two positions of what rests are seldom farther apart than this share of how far apart they are at most by chance, and those of what passes are.
+/// Two positions of what rests are seldom farther apart than this share of how far apart they are at most by chance, in the plane once in seven
+/// times; and those of what passes are.
 const MAX_REST_SHARE: f32 = 0.4;
 
 /// Whether a hand acts on an object.
@@ -70,8 +72,8 @@ impl Scene {
             for object in 0..self.objects.len() {
                 self.in_hand[hand][object] = self.next_in_hand(hand, object, age);
                 let is_held = self.in_hand[hand][object] == InHand::Yes;
-                self.is_led[hand][object] =
-                    is_held && (self.is_led[hand][object] || self.leads(hand, object, age));
+                let is_led = is_held && (self.led[hand].contains(object) || self.leads(hand, object, age));
+                self.led[hand].set(object, is_led);
                 if self.in_hand[hand][object] == InHand::Unknown {
                     // The frame does not show what the hand acts on.
                     self.clear[hand] &= !(1 << age);
@@ -83,7 +85,7 @@ impl Scene {
     fn next_in_hand(&self, hand: usize, object: usize, age: usize) -> InHand {
         let (edge, before) = (self.touches[hand][object], self.in_hand[hand][object]);
         if !edge.is_believed() && self.objects[object].shape.is_held_anywhere {
-            let stays = self.is_led[hand][object] && self.stays_anywhere(hand, object, age);
+            let stays = self.led[hand].contains(object) && self.stays_anywhere(hand, object, age);
             return if stays || self.leads(hand, object, age) { InHand::Yes } else { InHand::No };
         }
         if before == InHand::Yes {
@@ -144,7 +146,7 @@ impl Scene {
     /// What errors of some millimetres show of a hand that has opened at a part is no touch.
     fn next_lingering(&self, hand: usize, object: usize, age: usize, farthest_m: f32) -> InHand {
         let distance_m = self.distance_from_hand(hand, object, age);
-        let has_returned = farthest_m - distance_m > self.slipped_m();
+        let has_returned = farthest_m - distance_m > MOVED_M;
         let is_moved = self.is_at(hand, object, age) && self.follows(hand, object, age);
         if is_moved || has_returned && self.rests(hand, object, age) == Some(true) {
             InHand::Yes
@@ -308,7 +310,7 @@ impl Scene {
     pub(super) fn slips_until(&self, hand: usize, object: usize, age: usize) -> Option<usize> {
         let (newest, path_m) = self.relative_path(hand, object, age)?;
         // The errors come last, because they take longest.
-        let slips = path_m > self.slipped_m()
+        let slips = path_m > MOVED_M
             && !self.follows(hand, object, age)
             && path_m > self.noise_displacement_m(hand, object, age);
         slips.then_some(newest)
@@ -319,11 +321,6 @@ impl Scene {
         let jitter_m = self.jitter_bound_m(age, |age| Some(self.relative_positions(hand, object, age)?[0]));
         // No tracker sees finger tips more exactly than parts.
         jitter_m.max(SQRT_2 * self.drift_m(object))
-    }
-
-    /// What a hand has moved along an object or away from it so far, in metres, it does not do while it holds that.
-    fn slipped_m(&self) -> f32 {
-        self.method.hand_contact.on_m / 2.0
     }
 
     /// Whether the object moves with the hand: more than half as far as the two move apart, and the hand more than a quarter of its way.

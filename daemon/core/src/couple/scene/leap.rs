@@ -5,13 +5,14 @@
 
 use crate::config::Method;
 use crate::couple::geometry::{add, norm, subtract};
-use crate::couple::poses::{Pose, Recent, Source};
+use crate::couple::poses::{Fix, Source};
 use crate::input::Point;
 
 /// Nothing is accelerated so much by hand at a bench, in m/s²: a quick reach has 20 to 30.
 const MAX_ACCELERATION_M_S2: f32 = 60.0;
 
-/// The positions of hands and markers are as uncertain from one frame to the next, in metres.
+/// The positions of hands and markers are as uncertain from one frame to the next, in metres. With less than 35 frames per second the
+/// acceleration alone allows more. Markers side by side are farther apart.
 const NOISE_M: f32 = 0.05;
 
 /// What has leapt to where it is seen is not seen there unless it stays for as long as a change takes to be believed.
@@ -23,14 +24,13 @@ pub(super) struct Leap {
 }
 
 impl Leap {
-    /// Whether to believe that what had these poses is seen here now.
-    pub(super) fn believes<P: Pose + Copy>(&mut self, poses: &Recent<P>, seen: &P, method: &Method) -> bool {
-        let newest = poses.ago(0);
-        if newest.source() == Source::Never {
+    /// Whether to believe that what was here in the newest frame and in the one before is seen there now.
+    pub(super) fn believes(&mut self, fixes: [Fix; 2], seen: Point, method: &Method) -> bool {
+        let [newest, _] = fixes;
+        if newest.source == Source::Never {
             return true;
         }
-        let is_reached = is_reached(poses, seen, newest.unseen().saturating_add(1), method);
-        let seen = seen.place();
+        let is_reached = is_reached(fixes, seen, newest.unseen.saturating_add(1), method);
         let stays = self.frames > 0 && is_within_reach(self.newest, seen, 1, method);
         let is_believed = is_reached && !stays || self.frames >= method.persist_frames;
         *self = if is_believed { Self::default() } else { Self { newest: seen, frames: self.frames + 1 } };
@@ -38,26 +38,24 @@ impl Leap {
     }
 }
 
-/// Whether what had these poses may be seen here now, if it has been pushed for as many frames.
-pub(super) fn is_reached<P: Pose + Copy>(poses: &Recent<P>, seen: &P, pushed: u32, method: &Method) -> bool {
-    off_course_m(poses, seen) <= reach_m(pushed, method)
+/// Whether what was here in the newest frame and in the one before may be seen there now, if it has been pushed for as many frames.
+pub(super) fn is_reached(fixes: [Fix; 2], seen: Point, pushed: u32, method: &Method) -> bool {
+    off_course_m(fixes, seen) <= reach_m(pushed, method)
 }
 
-/// How far in metres what had these poses is from where it would be if it rested, or went on as it moved, whichever is nearer.
-pub(super) fn off_course_m<P: Pose + Copy>(poses: &Recent<P>, seen: &P) -> f32 {
-    let [newest, before] = [0, 1].map(|age| poses.ago(age));
-    let (from, frames) = (newest.place(), newest.unseen().saturating_add(1));
+/// How far in metres what was here is from where it would be if it rested, or went on as it moved, whichever is nearer.
+pub(super) fn off_course_m([newest, before]: [Fix; 2], seen: Point) -> f32 {
+    let (from, frames) = (newest.place, newest.unseen.saturating_add(1));
     // What was not seen before the newest frame is held where it was seen last, and has come from there since.
-    let is_step_seen =
-        newest.source() == Source::Seen && matches!(before.source(), Source::Seen | Source::Held);
+    let is_step_seen = newest.source == Source::Seen && matches!(before.source, Source::Seen | Source::Held);
     let step = if is_step_seen {
-        let since = before.unseen().saturating_add(1) as f32;
-        subtract(from, before.place()).map(|way| way / since)
+        let since = before.unseen.saturating_add(1) as f32;
+        subtract(from, before.place).map(|way| way / since)
     } else {
         [0.0; 3]
     };
     let ahead = [from, add(from, step.map(|step| step * frames as f32))];
-    ahead.iter().map(|ahead| apart_m(*ahead, seen.place())).fold(f32::INFINITY, f32::min)
+    ahead.iter().map(|ahead| apart_m(*ahead, seen)).fold(f32::INFINITY, f32::min)
 }
 
 fn is_within_reach(from: Point, to: Point, frames: u32, method: &Method) -> bool {

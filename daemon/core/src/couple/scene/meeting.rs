@@ -8,11 +8,11 @@
 use super::super::geometry::{Cloud, norm, subtract};
 use super::super::poses::{ObjectPose, Source};
 use super::{Node, Scene, squared_distance};
+use crate::bounds::Around;
 use crate::capacity::{MEETINGS, OBJECTS};
 use crate::config::{Contact, Method};
 use crate::input::{Point, Space};
 use crate::object::{Meeting, ObjectShape};
-use crate::set::ActivitySet;
 use heapless::Vec;
 
 /// Where and how near something is met.
@@ -38,7 +38,8 @@ pub(super) struct Shape {
     /// It is not known where a hand holds it: no run shows it, and no interaction point was given beside its origin.
     pub(super) is_held_anywhere: bool,
     pub(super) is_position_only: bool,
-    pub(super) used_by: ActivitySet,
+    /// [`ObjectShape::start`].
+    pub(super) start: Option<Around<3>>,
 }
 
 impl Shape {
@@ -63,7 +64,7 @@ impl Shape {
             incidental: shape.incidental.clone(),
             is_held_anywhere: of_hand.is_none() && !shape.has_points(),
             is_position_only: shape.is_position_only,
-            used_by: shape.used_by,
+            start: shape.start,
         })
     }
 

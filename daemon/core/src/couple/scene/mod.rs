@@ -16,13 +16,14 @@ use super::contact::Edge;
 use super::geometry::squared_distance;
 use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
-use super::noise::{Drift, MOVED_M, jitter_bound_m};
+use super::noise::{Drift, MOVED_M, has_moved, jitter_bound_m};
 use super::poses::{Grip, HandPose, ObjectPose, REMEMBERED, Recent, Source};
-use super::{Context, Couple, Couples, Motion, Visibility, Waiting};
-use crate::capacity::{HANDS, OBJECTS, PERSIST_FRAMES, TWINS};
+use super::{Context, Couple, Couples, Motion, Unseen, Visibility, Waiting};
+use crate::capacity::{HANDS, OBJECTS};
 use crate::config::Method;
 use crate::input::{Frame, Point, Side};
-use crate::object::{ObjectShape, StartPlace};
+use crate::object::ObjectShape;
+use crate::set::ObjectSet;
 use core::ops::RangeInclusive;
 use glimpse::Glimpses;
 use heapless::Vec;
@@ -31,9 +32,9 @@ use in_hand::{InHand, Meets};
 use leap::Leap;
 use meeting::Shape;
 use sides::Sides;
-use start::Start;
 
-/// A parabola explains the positions if their noise bound is at least this multiple of its residual.
+/// A parabola explains the positions if their noise bound is at least this multiple of its residual. With noise alone and the default window it is
+/// 5.9: the residual may be twice as large.
 const NOISE_PER_RESIDUAL: f32 = 3.0;
 
 /// An object as a node of the graph.
@@ -43,43 +44,26 @@ struct Node {
     poses: Recent<ObjectPose>,
     /// For how many frames it has had a pose.
     known_frames: u32,
-    /// For each hand, whether it was moved while it was hidden, and that hand has not been seen to begin with it since.
-    is_displaced: [bool; HANDS],
     leap: Leap,
     drift: Drift,
     glimpses: Glimpses,
     /// How it lies in each hand that holds it; it moves by this while it is hidden.
     grips: [Option<Grip>; HANDS],
-    /// For each hand, whether it has been at the object or out of the picture since the object was last seen, or may have been given it.
-    may_be_taken: [bool; HANDS],
-    /// For each hand, whether it may have been near the object since that was last seen.
-    may_be_touched: [bool; HANDS],
-    /// For each hand, whether it may act on this object instead of its `o_j`.
-    may_be_held_instead: [bool; HANDS],
     /// Where it was when a hand was last seen anywhere.
     attended: Option<Point>,
-    /// No hand was seen for a while since then.
-    was_unattended: bool,
-    start: Start,
 }
 
 impl Node {
-    fn new(shape: Shape, start: Option<StartPlace>) -> Self {
+    fn new(shape: Shape) -> Self {
         Self {
             shape,
             poses: Recent::new(ObjectPose::NEVER),
             known_frames: 0,
-            is_displaced: [false; HANDS],
             leap: Leap::default(),
             drift: Drift::default(),
             glimpses: Glimpses::default(),
             grips: [None; HANDS],
-            may_be_taken: [false; HANDS],
-            may_be_touched: [false; HANDS],
-            may_be_held_instead: [false; HANDS],
             attended: None,
-            was_unattended: false,
-            start: Start::new(start),
         }
     }
 }
@@ -95,24 +79,31 @@ pub(super) struct Scene {
     window_s: f64,
     precision: Precision,
     times_ns: Recent<u64>,
-    /// Bit k: there was a frame k frames before the newest.
-    captured: u32,
+    /// [`Couples::unseen`] of the newest frames.
+    unseen: Recent<Unseen>,
     /// For each hand, bit k: the frame k frames before the newest shows what it acts on.
     clear: [u32; HANDS],
-    /// For each hand, [`Couple::hidden_object`] of the newest frames, the newest first.
-    hidden_objects: [[u16; PERSIST_FRAMES + 1]; HANDS],
-    /// Bit k: something had moved unseen k frames before the newest.
-    moved_unseen: u32,
-    /// Bit k: something was carried by a hand that was not seen k frames before the newest.
-    carried_unseen: u32,
-    /// Bit k: what lay on the bench was hidden k frames before the newest.
-    bench_hidden: u32,
+    /// For each hand, [`Couple::hidden_object`] of the newest frames.
+    hidden_objects: [Recent<u16>; HANDS],
     /// For how many frames no hand has been seen.
     handless_frames: u32,
     /// For how many frames no hand has acted on anything.
     idle_frames: u32,
-    /// [`Couples::twice_objects`] of the newest frame.
-    twice_objects: [u16; TWINS],
+    /// [`Couples::twice`] of the newest frame.
+    twice: ObjectSet,
+    /// The objects that lie where they do at the beginning of the job.
+    at_start: ObjectSet,
+    /// For each hand, the objects that were moved while they were hidden, and with which it has not been seen to begin since.
+    displaced: [ObjectSet; HANDS],
+    /// For each hand, the objects that it has been at since they were last seen, or may have been, as it was out of the picture, or may have been
+    /// given.
+    may_be_taken: [ObjectSet; HANDS],
+    /// For each hand, the objects that it may have been near since they were last seen.
+    may_be_touched: [ObjectSet; HANDS],
+    /// For each hand, the objects on which it may act instead of its `o_j`.
+    alternatives: [ObjectSet; HANDS],
+    /// The objects that no hand has attended for a while: none was seen anywhere since they were where they are known to have been.
+    unattended: ObjectSet,
     hands: [Recent<HandPose>; HANDS],
     leaps: [Leap; HANDS],
     sides: Sides,
@@ -122,8 +113,8 @@ pub(super) struct Scene {
     touches: [[Edge; OBJECTS]; HANDS],
     /// For each hand, whether it acts on the object.
     in_hand: [[InHand; OBJECTS]; HANDS],
-    /// For each hand, whether it has led the object since it has acted on that.
-    is_led: [[bool; OBJECTS]; HANDS],
+    /// For each hand, the objects that it has led since it has acted on them.
+    led: [ObjectSet; HANDS],
     /// Between each two objects, the lower index first.
     adjacent: [[Edge; OBJECTS]; OBJECTS],
     /// Whether the two touch, rather than pass each other.
@@ -132,19 +123,15 @@ pub(super) struct Scene {
     holds: [Option<Hold>; HANDS],
     /// For how many frames each has been what it is.
     lasted: [u32; HANDS],
-    /// Whether each began when it was not seen how the one before ended, or it is not known whether its two objects touch.
-    began_unseen: [bool; HANDS],
-    /// Whether an object of each had not been seen before.
-    is_new: [bool; HANDS],
-    /// Whether an object of each had been moved while it was hidden.
-    is_displaced: [bool; HANDS],
+    /// What was not seen when each began: [`Unseen::CHANGE`] where it was not seen how the one before ended or it is not known whether its two
+    /// objects touch, [`Unseen::ARRIVAL`] and [`Unseen::MOVE`].
+    began: [Unseen; HANDS],
 }
 
 impl Scene {
     /// An empty scene. The ids of `shapes` differ; a shape without interaction points or beyond the capacity is left out.
     pub(super) fn new(method: Method, shapes: &[ObjectShape]) -> Self {
-        let nodes =
-            shapes.iter().filter_map(|shape| Some(Node::new(Shape::new(shape, &method)?, shape.start)));
+        let nodes = shapes.iter().filter_map(|shape| Some(Node::new(Shape::new(shape, &method)?)));
         let mut objects: Vec<Node, OBJECTS> = nodes.take(OBJECTS).collect();
         objects.sort_unstable_by_key(|node| node.shape.id);
         Self {
@@ -155,37 +142,37 @@ impl Scene {
             precision: Precision::new(&method),
             window_s: 1.5 * f64::from(method.persist_frames) / f64::from(method.rate_hz),
             times_ns: Recent::new(0),
-            captured: 0,
+            unseen: Recent::new(Unseen::EMPTY),
             clear: [0; HANDS],
-            hidden_objects: [[0; PERSIST_FRAMES + 1]; HANDS],
-            moved_unseen: 0,
-            carried_unseen: 0,
-            bench_hidden: 0,
+            hidden_objects: core::array::from_fn(|_| Recent::new(0)),
             handless_frames: 0,
             idle_frames: 0,
-            twice_objects: [0; TWINS],
+            twice: ObjectSet::EMPTY,
+            at_start: ObjectSet::EMPTY,
+            displaced: [ObjectSet::EMPTY; HANDS],
+            may_be_taken: [ObjectSet::EMPTY; HANDS],
+            may_be_touched: [ObjectSet::EMPTY; HANDS],
+            alternatives: [ObjectSet::EMPTY; HANDS],
+            unattended: ObjectSet::EMPTY,
             hands: core::array::from_fn(|_| Recent::new(HandPose::NEVER)),
             leaps: [Leap::default(); HANDS],
             sides: Sides::default(),
             objects,
             touches: [[Edge::default(); OBJECTS]; HANDS],
             in_hand: [[InHand::No; OBJECTS]; HANDS],
-            is_led: [[false; OBJECTS]; HANDS],
+            led: [ObjectSet::EMPTY; HANDS],
             adjacent: [[Edge::default(); OBJECTS]; OBJECTS],
             meets: [[Meets::No; OBJECTS]; OBJECTS],
             interactions: [Interaction::Idle; HANDS],
             holds: [None; HANDS],
             lasted: [u32::MAX; HANDS],
-            began_unseen: [false; HANDS],
-            is_new: [false; HANDS],
-            is_displaced: [false; HANDS],
+            began: [Unseen::EMPTY; HANDS],
         }
     }
 
     /// Forgets everything that was seen.
     pub(super) fn clear(&mut self) {
-        let objects =
-            self.objects.iter().map(|node| Node::new(node.shape.clone(), node.start.place())).collect();
+        let objects = self.objects.iter().map(|node| Node::new(node.shape.clone())).collect();
         *self = Self { objects, ..Self::new(self.method, &[]) };
     }
 
@@ -202,12 +189,8 @@ impl Scene {
     /// Takes the next frame of the grid, or `None` where it is missing.
     pub(super) fn push(&mut self, captured_ns: u64, frame: Option<&Frame>) {
         self.times_ns.push(captured_ns);
-        self.captured = self.captured << 1 | u32::from(frame.is_some());
-        let is_used =
-            |id: &u16| self.objects.iter().any(|node| node.shape.id == *id && !node.shape.used_by.is_empty());
-        self.twice_objects = [0; TWINS];
-        let twice = frame.iter().flat_map(|frame| frame.twice.iter().copied().filter(is_used));
-        self.twice_objects.iter_mut().zip(twice).for_each(|(place, id)| *place = id);
+        self.twice =
+            frame.iter().flat_map(|frame| &frame.twice).filter_map(|id| self.index_of(*id)).collect();
         self.push_hands(frame);
         self.push_objects(frame);
         self.move_holding_hands();
@@ -215,9 +198,11 @@ impl Scene {
         let gripped = core::array::from_fn(|hand| self.gripped(hand));
         self.update_grips(gripped);
         self.place_hands(gripped);
-        self.push_moved_unseen();
-        self.push_carried_unseen();
-        self.push_bench_hidden();
+        let unseen = Unseen::FRAME.when(frame.is_none())
+            | Unseen::MOVER.when(self.have_moved_unseen())
+            | Unseen::CARRIER.when(self.are_carried_unseen())
+            | Unseen::BENCH.when(self.is_bench_hidden());
+        self.unseen.push(unseen);
         self.push_clear();
         self.push_alternatives();
     }
@@ -235,7 +220,7 @@ impl Scene {
         }
         let seen = self.sides.settle(&self.hands, seen, self.blind_frames, &self.method);
         for ((poses, leap), seen) in self.hands.iter_mut().zip(&mut self.leaps).zip(seen) {
-            let seen = seen.filter(|seen| leap.believes(poses, seen, &self.method));
+            let seen = seen.filter(|seen| leap.believes(poses.fixes(), seen.middle_knuckle, &self.method));
             let before = *poses.ago(0);
             let is_elsewhere = |seen: HandPose| {
                 let max_m = self.method.hand_contact.on_m;
@@ -252,26 +237,24 @@ impl Scene {
     fn push_objects(&mut self, frame: Option<&Frame>) {
         let mut seen = [None; OBJECTS];
         for object in frame.iter().flat_map(|frame| &frame.objects) {
-            if let Ok(index) = self.objects.binary_search_by_key(&object.id, |node| node.shape.id) {
+            if let Some(index) = self.index_of(object.id) {
                 seen[index] = seen[index].or_else(|| ObjectPose::seen(object, self.method.space));
             }
         }
         for (node, seen) in self.objects.iter_mut().zip(&mut seen) {
-            *seen = seen.filter(|seen| node.leap.believes(&node.poses, seen, &self.method));
+            *seen = seen.filter(|seen| node.leap.believes(node.poses.fixes(), seen.position, &self.method));
         }
-        let (moved_m, persist) = (self.moved_m(), u32::from(self.method.persist_frames));
+        let persist = u32::from(self.method.persist_frames);
         for (index, seen) in seen.iter().enumerate() {
             if let Some(seen) = seen {
                 self.correct_assumed(index, seen);
             }
         }
-        for (node, seen) in self.objects.iter_mut().zip(seen) {
+        for (index, (node, seen)) in self.objects.iter_mut().zip(seen).enumerate() {
             let before = node.poses.ago(0);
             let was_hidden = before.source == Source::Held && before.unseen > persist;
-            let is_elsewhere =
-                |seen: ObjectPose| squared_distance(seen.position, before.position) > moved_m * moved_m;
-            if was_hidden && seen.is_some_and(is_elsewhere) {
-                node.is_displaced = [true; HANDS];
+            if was_hidden && seen.is_some_and(|seen| has_moved(seen.position, before.position)) {
+                self.displaced.iter_mut().for_each(|displaced| displaced.set(index, true));
             }
             let grips = node.grips.iter().zip(&self.hands);
             let mut carriers = grips.filter_map(|(grip, hand)| Some(((*grip)?, hand.ago(0))));
@@ -288,6 +271,10 @@ impl Scene {
             node.known_frames = node.known_frames.saturating_add((pose.source != Source::Never).into());
             node.poses.push(pose);
         }
+    }
+
+    fn index_of(&self, id: u16) -> Option<usize> {
+        self.objects.binary_search_by_key(&id, |node| node.shape.id).ok()
     }
 
     /// The couples of the frame `age` frames before the newest. Call it once for each frame, in order.
@@ -311,33 +298,37 @@ impl Scene {
             self.lasted[hand] = if is_same { self.lasted[hand].saturating_add(1) } else { 1 };
             let before = core::mem::replace(&mut self.interactions[hand], interaction);
             if !is_same {
-                self.began_unseen[hand] =
-                    self.was_hidden(hand, before, age) || self.may_not_touch(interaction);
-                self.is_new[hand] =
-                    (0..count).any(|object| interaction.involves(object) && self.is_new(object, age));
-                self.is_displaced[hand] = self.take_displaced(hand, interaction);
+                let involved: ObjectSet = (0..count).filter(|object| interaction.involves(*object)).collect();
+                let is_hidden = self.was_hidden(hand, before, age) || self.may_not_touch(interaction);
+                // What was moved while it was hidden does not matter for what this hand does after it.
+                let displaced = &mut self.displaced[hand];
+                let is_displaced = displaced.intersects(involved);
+                *displaced = displaced.without(involved);
+                self.began[hand] = Unseen::CHANGE.when(is_hidden)
+                    | Unseen::ARRIVAL.when(involved.iter().any(|object| self.is_new(object, age)))
+                    | Unseen::MOVE.when(is_displaced);
             }
             self.update_alternatives(hand, before.held(), interaction.held(), age);
             let mut couple = self.couple(hand, interaction, age);
             // Nobody saw when the hand ended what it did before, so it may be doing already what comes after this.
-            let is_assumed = interaction != next || couple.context.is_release() && !couple.is_clear;
-            couple.is_doubtful |= is_assumed && self.began_unseen[hand];
+            let is_assumed =
+                interaction != next || couple.context.is_release() && couple.lacks(Unseen::CONTEXT);
+            let began = self.began[hand];
+            couple.unseen |= if is_assumed { began } else { began.without(Unseen::CHANGE) };
             couple
         });
         let waiting = [0, 1].map(|hand| self.waiting(&hands[hand], &hands[1 - hand], age));
         hands.iter_mut().zip(waiting).for_each(|(couple, waiting)| couple.waiting = waiting);
         self.push_drift(age);
+        self.push_at_start(age);
         Couples {
             captured_ns: *self.times_ns.ago(age),
             known_ns,
-            is_captured: self.captured >> age & 1 == 1,
-            has_moved_unseen: self.moved_unseen >> age & 1 == 1,
-            is_carried_unseen: self.carried_unseen >> age & 1 == 1,
-            is_bench_hidden: self.bench_hidden >> age & 1 == 1,
-            undone: self.undone(age),
+            unseen: *self.unseen.ago(age),
+            objects: core::array::from_fn(|index| self.objects.get(index).map_or(0, |node| node.shape.id)),
+            at_start: self.at_start,
             out_of_sight: self.out_of_sight(age),
-            out_of_sight_object: self.out_of_sight_object(age),
-            twice_objects: self.twice_objects,
+            twice: self.twice,
             hands,
         }
     }
@@ -400,21 +391,20 @@ impl Scene {
             ],
             visibility: [self.visibility(pose.unseen), visibility(j), visibility(l)],
             waiting: Waiting::No,
-            is_clear: self.clear[hand] >> age & 1 == 1,
-            is_doubtful: self.is_doubtful(hand, age)
-                || self.in_hand[hand].contains(&InHand::Unknown)
-                || !is_known
-                || self.may_have_left(hand, interaction, age)
-                || self.may_have_met_or_parted(interaction, age)
-                || self.may_be_in_other_hand(hand, interaction, age),
-            is_object_ambiguous: self.objects.iter().any(|node| node.may_be_held_instead[hand]),
-            is_object_new: self.is_new[hand],
-            is_object_displaced: self.is_displaced[hand],
-            hidden_object: self.hidden_objects[hand].get(age).copied().unwrap_or_default(),
+            unseen: (*self.unseen.ago(age) & Unseen::FRAME)
+                | Unseen::TAKING.when(!self.alternatives[hand].is_empty()),
+            hidden_object: *self.hidden_objects[hand].ago(age),
         };
         // Only now it is known which objects the context depends on.
-        couple.is_clear &= couple.visibility[1..] == [Visibility::Seen; 2];
-        couple.is_doubtful |= !couple.is_in_sight();
+        let is_clear = self.clear[hand] >> age & 1 == 1 && couple.visibility[1..] == [Visibility::Seen; 2];
+        let is_doubtful = self.is_doubtful(hand, age)
+            || !couple.is_in_sight()
+            || self.in_hand[hand].contains(&InHand::Unknown)
+            || !is_known
+            || self.may_have_left(hand, interaction, age)
+            || self.may_have_met_or_parted(interaction, age)
+            || self.may_be_in_other_hand(hand, interaction, age);
+        couple.unseen |= Unseen::CONTEXT.when(!is_clear) | Unseen::CHANGE.when(is_doubtful);
         couple
     }
 

@@ -4,12 +4,13 @@ use super::super::Visibility;
 use super::super::contact;
 use super::super::geometry::{norm, subtract};
 use super::super::interaction::Interaction;
+use super::super::noise::{MOVED_M, has_moved};
 use super::super::poses::{HandPose, ObjectPose, Recent, Source};
 use super::in_hand::Meets;
 use super::meeting::are_in_reach;
 use super::{Node, Scene, squared_distance};
 use crate::capacity::HANDS;
-use crate::set::ActivitySet;
+use crate::set::ObjectSet;
 
 /// What a seen hand carries may be lost for as many times `blind_ms`: two seconds by default, in which nobody puts a part down and comes back for it.
 const CARRIED_BLIND_TIMES: u32 = 3;
@@ -19,7 +20,7 @@ impl Scene {
     pub(super) fn correct_assumed(&mut self, object: usize, seen: &ObjectPose) {
         let assumed = *self.objects[object].poses.ago(0);
         let max_m = match assumed.source {
-            Source::Covered => self.moved_m(),
+            Source::Covered => MOVED_M,
             // It may lie otherwise in the hand than it did.
             Source::Carried => self.method.hand_contact.on_m,
             _ => return,
@@ -34,17 +35,17 @@ impl Scene {
         }
     }
 
-    /// Finds objects that lie elsewhere than when a hand was last seen, and that no hand holds: none acted on it or was at it when it
+    /// Whether an object lies elsewhere than when a hand was last seen, and no hand holds it: none acted on it or was at it when it
     /// was last seen, the latter not longer ago than `blind_ms`.
-    pub(super) fn push_moved_unseen(&mut self) {
+    pub(super) fn have_moved_unseen(&mut self) -> bool {
         let is_hand_seen = self.hands.iter().any(|hand| hand.ago(0).source == Source::Seen);
-        let was_handless = self.handless_frames >= self.method.persist_frames.into();
+        if self.handless_frames >= self.method.persist_frames.into() {
+            self.unattended = ObjectSet::first(self.objects.len());
+        }
         self.handless_frames = if is_hand_seen { 0 } else { self.handless_frames.saturating_add(1) };
-        let moved_m = self.moved_m();
-        let mut has_moved = false;
+        let mut is_any = false;
         for (index, node) in self.objects.iter_mut().enumerate() {
             let pose = node.poses.ago(0);
-            node.was_unattended |= was_handless;
             if pose.source != Source::Seen {
                 continue;
             }
@@ -55,21 +56,22 @@ impl Scene {
             };
             let is_held = (0..HANDS).any(holds);
             let lay = *node.attended.get_or_insert(pose.position);
-            let is_elsewhere = squared_distance(lay, pose.position) > moved_m * moved_m;
-            let has_moved_unseen = node.was_unattended && is_elsewhere && !is_held;
-            has_moved |= has_moved_unseen;
+            let is_elsewhere = has_moved(lay, pose.position);
+            let has_moved_unseen = self.unattended.contains(index) && is_elsewhere && !is_held;
+            is_any |= has_moved_unseen;
             if is_hand_seen || has_moved_unseen || is_held {
-                (node.attended, node.was_unattended) = (Some(pose.position), false);
+                node.attended = Some(pose.position);
+                self.unattended.set(index, false);
             }
         }
-        self.moved_unseen = self.moved_unseen << 1 | u32::from(has_moved);
+        is_any
     }
 
-    /// Finds out whether a hand that is not seen carries an object: it moves, and no hand is seen at it. What is exchanged between two frames, as
+    /// Whether a hand that is not seen carries an object: it moves, and no hand is seen at it. What is exchanged between two frames, as
     /// a part that is put in place while the camera is covered, does not move before and after that, and what is misread, as where fingers pass
     /// before a marker, is back where it was. Where frames come too seldom to measure what a hand does, it does not matter whether the hand is
     /// seen.
-    pub(super) fn push_carried_unseen(&mut self) {
+    pub(super) fn are_carried_unseen(&mut self) -> bool {
         let moves_unmeasured = self.move_unmeasured();
         let persist = usize::from(self.method.persist_frames);
         let is_seen_at = |object: usize| {
@@ -93,31 +95,31 @@ impl Scene {
             (0..=2 * persist).any(|age| self.hands.iter().any(|hand| hand.ago(age).source != Source::Seen));
         let is_carried =
             is_any_hidden && (0..self.objects.len()).any(|object| !is_seen_at(object) && moves(object));
-        self.carried_unseen = self.carried_unseen << 1 | u32::from(is_carried || moves_unmeasured);
+        is_carried || moves_unmeasured
     }
 
     /// Whether an object that no hand is known to hold is carried about, and seen too seldom to measure it.
     fn move_unmeasured(&mut self) -> bool {
-        let (persist, moved_m) = (self.method.persist_frames.into(), self.moved_m());
+        let persist = self.method.persist_frames.into();
         let mut is_any = false;
         for (index, node) in self.objects.iter_mut().enumerate() {
             let pose = node.poses.ago(0);
             let seen = (pose.source == Source::Seen).then_some(pose.position);
-            let moves = node.glimpses.push(seen, persist, self.blind_frames, moved_m);
+            let moves = node.glimpses.push(seen, persist, self.blind_frames);
             is_any |= moves && self.interactions.iter().all(|what| what.held() != Some(index));
         }
         is_any
     }
 
-    /// Finds out whether what lay on the bench when a hand was seen last is hidden, as when something covers the camera. What had been hidden
+    /// Whether what lay on the bench when a hand was seen last is hidden, as when something covers the camera. What had been hidden
     /// for longer than `blind_ms` by then, as a part under a lid, lies where a hand has left it.
-    pub(super) fn push_bench_hidden(&mut self) {
+    pub(super) fn is_bench_hidden(&self) -> bool {
         let mut poses = self.objects.iter().map(|node| node.poses.ago(0));
         let is_any_seen = poses.clone().any(|pose| pose.source == Source::Seen);
         let since = self.handless_frames.saturating_add(self.blind_frames);
         let has_vanished =
             self.handless_frames > 0 && poses.any(|pose| pose.source != Source::Seen && pose.unseen <= since);
-        self.bench_hidden = self.bench_hidden << 1 | u32::from(!is_any_seen || has_vanished);
+        !is_any_seen || has_vanished
     }
 
     /// Finds out for each hand whether the newest frame shows it and everything that it acts on, is at or may have taken, what that may touch,
@@ -146,7 +148,7 @@ impl Scene {
                         !touches[object].is_known() || interaction.held().is_some_and(is_edge_unknown)
                     }
                     _ => {
-                        node.may_be_taken[index]
+                        self.may_be_taken[index].contains(object)
                             || interaction.involves(object)
                             || (0..self.objects.len()).filter(is_at).any(may_touch)
                     }
@@ -157,25 +159,24 @@ impl Scene {
                 }
             }
             self.clear[index] = self.clear[index] << 1 | u32::from(is_clear);
-            self.hidden_objects[index].rotate_right(1);
-            self.hidden_objects[index][0] = hidden_object;
+            self.hidden_objects[index].push(hidden_object);
         }
     }
 
     /// Finds out which hands may have taken objects that are hidden: each that was at the object or was not seen, and one to which the
     /// other may have given it. What moved when it vanished is in a hand, even if that has not been seen for long.
     fn update_taken(&mut self) {
-        let (moved_m, persist) = (self.moved_m(), usize::from(self.method.persist_frames));
+        let persist = usize::from(self.method.persist_frames);
         // What the hand is seen to act on leaves no room in it.
         let is_full: [bool; HANDS] = core::array::from_fn(|hand| {
             let is_seen = |object: usize| self.objects[object].poses.ago(0).source == Source::Seen;
             self.hands[hand].ago(0).source == Source::Seen
                 && self.interactions[hand].held().is_some_and(is_seen)
         });
-        for node in &mut self.objects {
+        for (object, node) in self.objects.iter().enumerate() {
             let (pose, radius_m) = (node.poses.ago(0), node.shape.radius_m);
             if matches!(pose.source, Source::Seen | Source::Never) {
-                node.may_be_taken = [false; HANDS];
+                self.may_be_taken.iter_mut().for_each(|taken| taken.set(object, false));
                 continue;
             }
             let may_have_come = |hand: &Recent<HandPose>, max_unseen: u32| match hand.ago(0).source {
@@ -187,19 +188,20 @@ impl Scene {
             let mut before = (persist + 1..=2 * persist).map(|age| node.poses.ago(age));
             let has_moved = vanished.source == Source::Seen
                 && self.hands.iter().any(|hand| hand.ago(0).source != Source::Seen)
-                && before.find(|pose| pose.source == Source::Seen).is_some_and(|before| {
-                    squared_distance(vanished.position, before.position) > moved_m * moved_m
-                });
+                && before
+                    .find(|pose| pose.source == Source::Seen)
+                    .is_some_and(|before| has_moved(vanished.position, before.position));
             let may_be_given =
                 has_moved || self.hands.iter().any(|hand| may_have_come(hand, self.blind_frames));
             // What a seen hand carries goes with it, unless another one comes to it that has room.
             let is_carried =
                 pose.source == Source::Carried && pose.unseen <= CARRIED_BLIND_TIMES * self.blind_frames;
-            for ((taken, hand), is_full) in node.may_be_taken.iter_mut().zip(&self.hands).zip(is_full) {
-                *taken |= match is_carried {
+            for ((taken, hand), is_full) in self.may_be_taken.iter_mut().zip(&self.hands).zip(is_full) {
+                let may_be = match is_carried {
                     true => !is_full && may_have_come(hand, u32::MAX),
                     false => may_be_given || may_have_come(hand, u32::MAX),
                 };
+                *taken |= ObjectSet::of(object).when(may_be);
             }
         }
     }
@@ -207,27 +209,26 @@ impl Scene {
     /// An object that was hidden, lies where it lay, and that the hand was not near meanwhile, was not taken. One that is seen in the
     /// hand was. One that is seen apart from a hand that has let go is not what the hand takes next.
     pub(super) fn push_alternatives(&mut self) {
-        let moved_m = self.moved_m();
-        for (object, node) in self.objects.iter_mut().enumerate() {
+        for (object, node) in self.objects.iter().enumerate() {
             let [pose, before] = [0, 1].map(|age| *node.poses.ago(age));
             let is_back = pose.source == Source::Seen
                 && before.source == Source::Covered
-                && squared_distance(pose.position, before.position) <= moved_m * moved_m;
+                && !has_moved(pose.position, before.position);
             for (hand, touches) in self.touches.iter().enumerate() {
                 let (edge, interaction) = (touches[object], self.interactions[hand]);
-                let touched = &mut node.may_be_touched[hand];
-                *touched |= !edge.is_known() || edge.is_near();
-                let is_seen_apart = pose.source == Source::Seen && edge.is_known() && !edge.is_near();
-                node.may_be_held_instead[hand] &= match interaction {
-                    _ if interaction.held() == Some(object) => {
-                        pose.source != Source::Seen || !edge.is_known() || !edge.is_near()
-                    }
-                    Interaction::Released { .. } if is_seen_apart => false,
-                    _ => !is_back || *touched,
+                let is_touched =
+                    self.may_be_touched[hand].contains(object) || !edge.is_known() || edge.is_near();
+                let is_known = pose.source == Source::Seen && edge.is_known();
+                let may_be = match interaction {
+                    _ if interaction.held() == Some(object) => !is_known || !edge.is_near(),
+                    Interaction::Released { .. } if is_known && !edge.is_near() => false,
+                    _ => !is_back || is_touched,
                 };
+                let is_alternative = self.alternatives[hand].contains(object) && may_be;
+                self.alternatives[hand].set(object, is_alternative);
                 // What it was when it was seen again is decided once and for all.
-                *touched =
-                    if pose.source == Source::Seen { node.may_be_held_instead[hand] } else { *touched };
+                let is_seen = pose.source == Source::Seen;
+                self.may_be_touched[hand].set(object, if is_seen { is_alternative } else { is_touched });
             }
         }
     }
@@ -241,22 +242,26 @@ impl Scene {
         age: usize,
     ) {
         let persist = self.method.persist_frames;
-        for (object, node) in self.objects.iter_mut().enumerate() {
-            let is_taken = held.is_some() && held != before;
+        if held.is_none() {
+            self.alternatives[hand] = ObjectSet::EMPTY;
+            return;
+        }
+        for (object, node) in self.objects.iter().enumerate() {
+            let is_taken = held != before;
             let touch = self.touches[hand][object];
             let is_in_doubt = match node.poses.ago(0).source {
                 Source::Never => false,
                 Source::Seen if held == Some(object) => !touch.is_known(),
                 Source::Seen => !touch.is_apart(age, persist),
-                _ => held == Some(object) || node.may_be_taken[hand],
+                _ => held == Some(object) || self.may_be_taken[hand].contains(object),
             };
             // Where one is first seen at a hand that holds another, the hand may have held that all along.
             let appears = node.poses.ago(age).source == Source::Never
                 && node.poses.ago(0).source == Source::Seen
                 && held.is_some_and(|held| held != object && touch.is_near());
-            let is_new = is_taken && is_in_doubt || appears;
-            node.may_be_held_instead[hand] = held.is_some() && (node.may_be_held_instead[hand] || is_new);
-            node.may_be_touched[hand] |= is_new && node.poses.ago(0).source == Source::Seen;
+            let is_new = ObjectSet::of(object).when(is_taken && is_in_doubt || appears);
+            self.alternatives[hand] |= is_new;
+            self.may_be_touched[hand] |= is_new.when(node.poses.ago(0).source == Source::Seen);
         }
     }
 
@@ -276,15 +281,6 @@ impl Scene {
     /// Whether an object was first seen about when a hand began to act on it.
     pub(super) fn is_new(&self, object: usize, age: usize) -> bool {
         self.objects[object].known_frames <= 2 * u32::from(self.method.persist_frames) + age as u32
-    }
-
-    /// Whether an object of what begins was moved while it was hidden; that does not matter for what this hand does after it.
-    pub(super) fn take_displaced(&mut self, hand: usize, interaction: Interaction) -> bool {
-        let mut is_any = false;
-        for (object, node) in self.objects.iter_mut().enumerate() {
-            is_any |= interaction.involves(object) && core::mem::take(&mut node.is_displaced[hand]);
-        }
-        is_any
     }
 
     /// Whether `o_j` and `o_l` may only have been near each other, because they came together unseen.
@@ -333,21 +329,11 @@ impl Scene {
         2 * (self.clear[hand] & frames).count_ones() + 1 < frames.count_ones()
     }
 
-    /// The activities that use an object which was out of sight `age` frames before the newest.
-    pub(super) fn out_of_sight(&self, age: usize) -> ActivitySet {
-        self.used_out_of_sight(age).fold(ActivitySet::EMPTY, |all, node| all | node.shape.used_by)
-    }
-
-    /// The id of one such object, or 0.
-    pub(super) fn out_of_sight_object(&self, age: usize) -> u16 {
-        self.used_out_of_sight(age).next().map_or(0, |node| node.shape.id)
-    }
-
-    fn used_out_of_sight(&self, age: usize) -> impl Iterator<Item = &Node> {
-        self.objects.iter().filter(move |node| {
-            !node.shape.used_by.is_empty()
-                && self.visibility(node.poses.ago(age).unseen) == Visibility::Unseen
-        })
+    /// The objects that were out of sight `age` frames before the newest.
+    pub(super) fn out_of_sight(&self, age: usize) -> ObjectSet {
+        let is_out =
+            |index: &usize| self.visibility(self.objects[*index].poses.ago(age).unseen) == Visibility::Unseen;
+        (0..self.objects.len()).filter(is_out).collect()
     }
 
     pub(super) fn visibility(&self, unseen: u32) -> Visibility {
@@ -363,11 +349,5 @@ impl Scene {
         let is_carried =
             pose.source == Source::Carried && pose.unseen <= CARRIED_BLIND_TIMES * self.blind_frames;
         if is_carried { Visibility::Assumed } else { self.visibility(pose.unseen) }
-    }
-
-    /// An object that lies as far from where it lay has been moved, in metres. Far above the noise of a marker that lies still, and below
-    /// the strokes of a tool.
-    pub(super) fn moved_m(&self) -> f32 {
-        self.method.object_contact.on_m / 2.0
     }
 }
