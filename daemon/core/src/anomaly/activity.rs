@@ -249,15 +249,17 @@ impl OpenActivity {
     }
 
     /// What was not seen for a while is seen again in this context.
-    pub(super) fn resume(&mut self, job: &Job<'_>, context: Context) {
+    pub(super) fn resume(&mut self, side: Side, context: Context, progress: &Progress<'_>) {
+        let (job, context) = (progress.job, self.as_shown(context));
         let is_same = context == Context::IDLE || context == self.newest.0;
         if self.junction.hidden > 0 && is_same {
             let hidden = core::mem::take(&mut self.junction.hidden);
-            let mut all = self.places.iter().zip(job.activities);
-            // The hand may have let go meanwhile, or ended all of it and begun again with the same object.
+            // The hand may have let go meanwhile, or ended all of it and begun again with the same object, if that may come again.
             if context != Context::IDLE {
-                self.may_have_ended |=
-                    all.any(|(places, nominal)| places.may_be_again(nominal.ius, hidden, context));
+                let mut all = self.places.iter().zip(job.activities).enumerate();
+                self.may_have_ended |= all.any(|(index, (places, nominal))| {
+                    places.may_be_again(nominal.ius, hidden, context) && progress.may_come_again(side, index)
+                });
             } else if hidden > self.min_idle_frames {
                 self.note_possible_end(job, hidden);
             }

@@ -63,7 +63,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             if self.watch.is_certain() && self.iu.is_none_or(|iu| iu.is_certain) {
                 // What begins with this couple is not what went on unseen.
                 let context = if self.iu.is_some() { couple.context } else { Context::IDLE };
-                activity.resume(progress.job, activity.as_shown(context));
+                activity.resume(self.side, context, progress);
             }
         }
     }

@@ -168,6 +168,15 @@ impl Progress<'_> {
         !left.is_empty() && left.without(possibly).is_empty()
     }
 
+    /// Whether a nominal activity of this hand that has just come may come once more: as a step that may, or as one of the next job.
+    pub(in crate::anomaly) fn may_come_again(&self, side: Side, nominal: usize) -> bool {
+        let Some(activity) = self.number(nominal).map(usize::from) else { return false };
+        let came = self.state.done | self.state.wrong | ActivitySet::of(activity);
+        let possibly =
+            self.possibly() | self.state.unjudged | self.state.may_have_ended[side.other().index()];
+        !self.job.law(activity).is_once || self.state.required.without(came | possibly).is_empty()
+    }
+
     /// What was not shown before in that a nominal activity comes now.
     pub(in crate::anomaly) fn order_note(&self, side: Side, nominal: usize) -> Option<Note> {
         let activity = usize::from(self.number(nominal)?);
