@@ -288,7 +288,7 @@ fn shells_and_man_find_every_command() {
     assert!(page.contains("EXIT STATUS"));
     assert!(std::fs::read_to_string(desk.path("pages/andond-video.1")).unwrap().contains("SEE ALSO"));
     let table = said(&desk.andond(&["help", "exit-codes"]));
-    assert!(table.trim_start().starts_with("Exit codes:\n    0  it is done"), "{table}");
+    assert!(table.trim_start().starts_with("Exit codes:\n    0  success"), "{table}");
     for row in table.lines().filter(|row| row.get(..5).is_some_and(|code| !code.trim().is_empty())).skip(1) {
         let code = row[..5].trim();
         assert!(page.lines().any(|line| line == format!("\\fB{code}\\fR")), "{code}: {page}");

@@ -14,7 +14,6 @@
 //! Where nobody has shown how an object is held, nearness says nothing of it: it is in the hand that leads it.
 
 use super::super::geometry::{dot, norm, subtract};
-use super::super::noise::MOVED_M;
 use super::super::poses::Source;
 use super::Scene;
 use crate::capacity::{HANDS, OBJECTS};
@@ -146,7 +145,7 @@ impl Scene {
     /// What errors of some millimetres show of a hand that has opened at a part is no touch.
     fn next_lingering(&self, hand: usize, object: usize, age: usize, farthest_m: f32) -> InHand {
         let distance_m = self.distance_from_hand(hand, object, age);
-        let has_returned = farthest_m - distance_m > MOVED_M;
+        let has_returned = farthest_m - distance_m > self.slipped_m();
         let is_moved = self.is_at(hand, object, age) && self.follows(hand, object, age);
         if is_moved || has_returned && self.rests(hand, object, age) == Some(true) {
             InHand::Yes
@@ -310,7 +309,7 @@ impl Scene {
     pub(super) fn slips_until(&self, hand: usize, object: usize, age: usize) -> Option<usize> {
         let (newest, path_m) = self.relative_path(hand, object, age)?;
         // The errors come last, because they take longest.
-        let slips = path_m > MOVED_M
+        let slips = path_m > self.slipped_m()
             && !self.follows(hand, object, age)
             && path_m > self.noise_displacement_m(hand, object, age);
         slips.then_some(newest)
@@ -321,6 +320,12 @@ impl Scene {
         let jitter_m = self.jitter_bound_m(age, |age| Some(self.relative_positions(hand, object, age)?[0]));
         // No tracker sees finger tips more exactly than parts.
         jitter_m.max(SQRT_2 * self.drift_m(object))
+    }
+
+    /// What a hand has moved along an object or away from it so far, in metres, it does not do while it holds that: half of how near it holds it,
+    /// as who is seen inexactly is seen farther away, and seems to slip as much.
+    fn slipped_m(&self) -> f32 {
+        self.method.hand_contact.on_m / 2.0
     }
 
     /// Whether the object moves with the hand: more than half as far as the two move apart, and the hand more than a quarter of its way.
