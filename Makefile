@@ -86,6 +86,7 @@ sight: setup test-packages line
 deletions: setup test-packages
 	cargo build $(REALSENSE) --all-targets
 	PROPTEST_RNG_SEED=$(SEED) PROPTEST_CASES=2000 cargo test $(REALSENSE) --test doubt_properties
+	PROPTEST_RNG_SEED=$(SEED) PROPTEST_CASES=100000 cargo test $(REALSENSE) --test judge_monotony
 	ANDON_SEED=$(SEED) ANDON_CASES=400 cargo test $(REALSENSE) --test learn_clips --test learn_vmci --test learn_doubt \
 		--test learn_two_hands nothing_is_accused
 

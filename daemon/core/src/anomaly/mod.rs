@@ -53,9 +53,10 @@
 //! - *A DTW distance* over a gap is the least that any motion there could have led to. An IU of which less than half was measured is never right,
 //!   and one of which fewer frames were captured than the job needs ([`Job::min_captured`]) is neither right nor wrong.
 //!
-//! Two things widen the doubt beyond a gap. An activity that was not judged may go on with the same part, unless the hand was certainly idle
-//! (`watch`). And where nobody watched for as long as the quickest person needs to end this piece and to begin another one up to what is seen
-//! next, that may be another piece: no job is right that spans it.
+//! Three things widen the doubt beyond a gap. An activity that was not judged may go on with the same part, unless the hand was certainly idle
+//! (`watch`). What a hand is in the middle of may have ended, and what came again, or after all had come, may be of the next piece: each is a set
+//! that only ever excuses (`progress`). And where nobody watched for as long as the quickest person needs to end this piece and to begin another one
+//! up to what is seen next, that may be another piece: no job is right that spans it.
 //!
 //! What is not judged says what was missing, and for how long ([`Missing`](crate::verdict::Missing)): that of which most was missing in what it
 //! depends on and in the doubt before it. An activity and a job have the first such thing in them.
