@@ -162,7 +162,7 @@ impl OpenActivity {
         let is_doubtful = !is_certain;
         let junction = Junction { is_doubtful, hidden: self.junction.hidden.max(hidden), ..self.junction };
         if self.ius > 0 && (has_been_idle || self.junction.hidden > self.min_idle_frames) {
-            self.note_possible_end(job, self.junction.hidden);
+            self.note_possible_end(job);
         }
         self.places_before = self.places;
         self.newest = (context, junction);
@@ -253,7 +253,7 @@ impl OpenActivity {
         let (job, context) = (progress.job, self.as_shown(context));
         let is_same = context == Context::IDLE || context == self.newest.0;
         if self.junction.hidden > 0 && is_same {
-            let hidden = core::mem::take(&mut self.junction.hidden);
+            let hidden = self.junction.hidden;
             // The hand may have let go meanwhile, or ended all of it and begun again with the same object, if that may come again.
             if context != Context::IDLE {
                 let mut all = self.places.iter().zip(job.activities).enumerate();
@@ -261,8 +261,9 @@ impl OpenActivity {
                     places.may_be_again(nominal.ius, hidden, context) && progress.may_come_again(side, index)
                 });
             } else if hidden > self.min_idle_frames {
-                self.note_possible_end(job, hidden);
+                self.note_possible_end(job);
             }
+            self.junction.hidden = 0;
             for (places, nominal) in self.places.iter_mut().zip(job.activities) {
                 *places = places.resume(hidden, nominal.ius, context);
             }
@@ -270,11 +271,9 @@ impl OpenActivity {
     }
 
     /// The hand was idle, or may have been: what was not judged or not seen may have been all of it.
-    fn note_possible_end(&mut self, job: &Job<'_>, hidden: u32) {
-        let is_doubtful = self.unjudged.is_some() || !self.has_certainly_ended(job) || hidden > 0;
-        let mut all = self.places.iter().zip(job.activities);
-        self.may_have_ended |=
-            is_doubtful && all.any(|(places, nominal)| places.may_be_complete(nominal.ius, hidden));
+    fn note_possible_end(&mut self, job: &Job<'_>) {
+        let is_doubtful = self.unjudged.is_some() || !self.has_certainly_ended(job);
+        self.may_have_ended |= is_doubtful && self.may_be_complete(job);
     }
 
     /// Whether what was seen of the activity may be a part of a nominal one, with what may have happened unseen.

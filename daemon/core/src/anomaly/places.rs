@@ -1,5 +1,6 @@
 //! Where an activity may be in a nominal one, when not all of it was seen.
 
+use super::progress::quickest;
 use crate::capacity::ACTIVITY_IUS;
 use crate::couple::Context;
 use crate::job::NominalIu;
@@ -112,8 +113,6 @@ impl Places {
 
     /// Whether all IUs may have come in as many hidden frames, and then those from the first one up to one with this context again.
     pub(super) fn may_be_again(self, nominal: &[NominalIu<'_>], hidden: u32, context: Context) -> bool {
-        let quickest =
-            |ius: &[NominalIu<'_>]| ius.iter().fold(0u32, |sum, iu| sum.saturating_add(iu.quickest()));
         let places = (1..=nominal.len()).filter(|ius| self.contains(*ius));
         let left = places.map(|ius| quickest(&nominal[ius..])).min();
         let begins = (0..nominal.len()).filter(|index| nominal[*index].context == context);

@@ -29,6 +29,22 @@ struct Fault {
     broken: Option<BrokenOrder>,
 }
 
+/// What was known when a hand began its newest activity.
+#[derive(Clone, Copy, Debug, Default)]
+struct Begin {
+    ns: u64,
+    /// The same if it was seen to begin then, and 0 if it may have begun earlier.
+    seen_ns: u64,
+    /// What had come for certain.
+    came: ActivitySet,
+    /// That, and what the other hand had begun for certain.
+    begun: ActivitySet,
+    /// What had begun, or may have.
+    may_have_begun: ActivitySet,
+    /// What the other hand had come to the end of, or may have.
+    may_have_ended: ActivitySet,
+}
+
 /// What is known of the open job, or of the one before if none is open. Its sets have the numbers of activities, not those of nominal ones.
 #[derive(Clone, Debug, Default)]
 struct JobState {
@@ -57,18 +73,8 @@ struct JobState {
     underway: [ActivitySet; HANDS],
     /// For each hand, what its open activity may be, with what was not seen of it: no less than as it was seen.
     may_be_underway: [ActivitySet; HANDS],
-    /// For each hand, when its newest activity began.
-    newest_ns: [u64; HANDS],
-    /// For each hand, the same if that was seen, and 0 if it may have begun earlier.
-    seen_to_begin_ns: [u64; HANDS],
-    /// For each hand, the activities that had begun before that, or may have.
-    begun_before: [ActivitySet; HANDS],
-    /// For each hand, what had come for certain before that.
-    came_before: [ActivitySet; HANDS],
-    /// For each hand, that and what had begun for certain before that.
-    certainly_begun_before: [ActivitySet; HANDS],
-    /// For each hand, what the other one had come to the end of before that, or may have.
-    may_have_ended_before: [ActivitySet; HANDS],
+    /// For each hand, what was known when its newest activity began.
+    begins: [Begin; HANDS],
     /// For each hand, whether what it does now is not seen.
     is_hidden: [bool; HANDS],
     /// Nothing of the job can have happened before what was seen of it, or its first activity was one with which a job begins.
@@ -380,14 +386,17 @@ impl<'a> Progress<'a> {
         is_begin_seen: bool,
         is_step: bool,
     ) -> u16 {
-        self.state.newest_ns[side.index()] = began_ns;
-        self.state.seen_to_begin_ns[side.index()] = if is_begin_seen { began_ns } else { 0 };
-        self.state.begun_before[side.index()] = self.begun(side.other());
-        let of_other = self.state.may_be_underway[side.other().index()];
-        let certainly = if of_other.iter().count() == 1 { of_other } else { ActivitySet::EMPTY };
-        self.state.came_before[side.index()] = self.state.done | self.state.wrong;
-        self.state.certainly_begun_before[side.index()] = self.state.came_before[side.index()] | certainly;
-        self.state.may_have_ended_before[side.index()] = self.state.may_have_ended[side.other().index()];
+        let other = side.other();
+        let came = self.state.done | self.state.wrong;
+        let underway = self.state.may_be_underway[other.index()];
+        self.state.begins[side.index()] = Begin {
+            ns: began_ns,
+            seen_ns: if is_begin_seen { began_ns } else { 0 },
+            came,
+            begun: came | underway.when(underway.iter().count() == 1),
+            may_have_begun: self.begun(other),
+            may_have_ended: self.state.may_have_ended[other.index()],
+        };
         let number = self.state.activities;
         self.state.activities = number.saturating_add(1);
         self.state.first_step = self.state.first_step.or(is_step.then_some(number));
@@ -502,18 +511,22 @@ impl<'a> Progress<'a> {
 
     /// Whether all that the job requires may have come.
     pub(super) fn may_be_matched(&self) -> bool {
-        let ended = self.state.may_have_ended.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
-        self.state.required.without(self.tried() | ended).is_empty()
+        self.state.required.without(self.tried() | of_both(self.state.may_have_ended)).is_empty()
     }
 
     /// The same, but of the activities that were done wrong only these count.
     pub(super) fn is_matched_with(&self, wrong: ActivitySet) -> bool {
-        let waiting = self.state.waiting.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
-        self.state.required.without(self.state.done | self.state.unjudged | wrong | waiting).is_empty()
+        let came = self.state.done | self.state.unjudged | wrong | of_both(self.state.waiting);
+        self.state.required.without(came).is_empty()
     }
 
     /// Whether the job has its verdict.
     pub(super) fn is_concluded(&self) -> bool {
         !self.state.is_open
     }
+}
+
+/// What either hand has of these.
+fn of_both([right, left]: [ActivitySet; HANDS]) -> ActivitySet {
+    right | left
 }

@@ -3,7 +3,7 @@
 //! In an ordered job a wrong activity takes the place of the one that must come next. One fault is reported once: what follows in order is
 //! not accused as well.
 
-use super::Progress;
+use super::{Progress, of_both};
 use crate::input::Side;
 use crate::set::ActivitySet;
 use crate::verdict::{BrokenOrder, Note, OrderFault, Reason};
@@ -11,7 +11,7 @@ use crate::verdict::{BrokenOrder, Note, OrderFault, Reason};
 impl Progress<'_> {
     /// The activity that must come next, if that is only one.
     pub(super) fn next_in_order(&self) -> Option<usize> {
-        let underway = self.state.underway.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
+        let underway = of_both(self.state.underway);
         let left = self.state.required.without(self.tried() | underway);
         let is_next = |activity: &usize| !self.job.law(*activity).after().intersects(left);
         let mut next = left.iter().filter(is_next);
@@ -34,7 +34,7 @@ impl Progress<'_> {
         let others = (self.tried() | underway).without(ActivitySet::of(activity));
         // Where this one is required and had certainly not come, the other one was accused.
         let came_before = if self.is_late_or_repeated(side, activity) {
-            self.tried().without(self.state.wrong) & self.state.certainly_begun_before[side.index()]
+            self.tried().without(self.state.wrong) & self.state.begins[side.index()].begun
         } else if law.is_required || self.possibly().contains(activity) {
             ActivitySet::EMPTY
         } else {
@@ -53,8 +53,7 @@ impl Progress<'_> {
         let activities = self.activities_of([nominal]);
         self.state.first_step = self.state.first_step.or(Some(number));
         self.begin_seen_with(number, activities);
-        let came =
-            self.tried() | self.state.underway.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
+        let came = self.tried() | of_both(self.state.underway);
         let is_next = |activity: &usize| {
             let must_come = self.state.required.contains(*activity) && !came.contains(*activity);
             must_come && self.job.law(*activity).after().without(self.tried()).is_empty()
@@ -101,7 +100,7 @@ impl Progress<'_> {
                 let law = self.job.law(other);
                 law.after_end.contains(activity)
                     || law.after_begin.contains(activity)
-                        && self.state.begun_before[side.index()].contains(other)
+                        && self.state.begins[side.index()].may_have_begun.contains(other)
             };
             comes_again || is_new && right.any(came_too_early)
         })
@@ -112,9 +111,9 @@ impl Progress<'_> {
         let other = side.other().index();
         let delay_ns = self.known_ns.saturating_sub(self.now_ns);
         let is_after =
-            self.state.seen_to_begin_ns[other] > self.state.newest_ns[side.index()].saturating_add(delay_ns);
+            self.state.begins[other].seen_ns > self.state.begins[side.index()].ns.saturating_add(delay_ns);
         let begun_after =
-            self.state.underway[other].without(self.tried() | self.state.begun_before[side.index()]);
+            self.state.underway[other].without(self.tried() | self.state.begins[side.index()].may_have_begun);
         if is_after { begun_after } else { ActivitySet::EMPTY }
     }
 
@@ -124,7 +123,7 @@ impl Progress<'_> {
         let underway = self.underway_when_begun(side);
         if underway.iter().count() == 1 && !self.state.is_hidden[hand] {
             let may_have_ended =
-                self.state.may_have_ended[hand] | self.state.may_have_ended_before[side.index()];
+                self.state.may_have_ended[hand] | self.state.begins[side.index()].may_have_ended;
             underway.without(self.tried() | self.state.waiting[hand] | may_have_ended)
         } else {
             ActivitySet::EMPTY
@@ -134,7 +133,7 @@ impl Progress<'_> {
     /// What the other hand is doing, if it has begun no later than this one.
     fn underway_when_begun(&self, side: Side) -> ActivitySet {
         let other = side.other().index();
-        let is_before = self.state.newest_ns[other] <= self.state.newest_ns[side.index()];
+        let is_before = self.state.begins[other].ns <= self.state.begins[side.index()].ns;
         if is_before { self.state.underway[other] } else { ActivitySet::EMPTY }
     }
 
@@ -159,21 +158,23 @@ impl Progress<'_> {
     /// began with the first activity that was seen, if it is one with which a job begins; and what comes once and is what the other hand is in the
     /// middle of has not come, as both hands are at the same piece. Without them 15 of 19 faults of real people are found, and with them 17.
     fn may_be_next_job(&self, side: Side) -> bool {
-        let left = self.state.required.without(self.state.came_before[side.index()]);
+        let left = self.state.required.without(self.state.begins[side.index()].came);
         let possibly = if self.state.is_start_seen { self.unseen } else { self.possibly() };
-        let other = side.other().index();
-        let possibly = possibly.without(self.underway_when_begun(side) & self.once())
-            | self.state.may_have_ended[other]
-            | self.state.unjudged;
+        let possibly =
+            possibly.without(self.underway_when_begun(side) & self.once()) | self.may_have_come(side);
         !left.is_empty() && left.without(possibly).is_empty()
+    }
+
+    /// What was done and not judged, and what the other hand may have come to the end of.
+    fn may_have_come(&self, side: Side) -> ActivitySet {
+        self.state.unjudged | self.state.may_have_ended[side.other().index()]
     }
 
     /// Whether a nominal activity of this hand that has just come may come once more: as a step that may, or as one of the next job.
     pub(in crate::anomaly) fn may_come_again(&self, side: Side, nominal: usize) -> bool {
         let Some(activity) = self.number(nominal).map(usize::from) else { return false };
         let came = self.state.done | self.state.wrong | ActivitySet::of(activity);
-        let possibly =
-            self.possibly() | self.state.unjudged | self.state.may_have_ended[side.other().index()];
+        let possibly = self.possibly() | self.may_have_come(side);
         !self.job.law(activity).is_once || self.state.required.without(came | possibly).is_empty()
     }
 

@@ -194,8 +194,7 @@ impl Scene {
             let may_be_given =
                 has_moved || self.hands.iter().any(|hand| may_have_come(hand, self.blind_frames));
             // What a seen hand carries goes with it, unless another one comes to it that has room.
-            let is_carried =
-                pose.source == Source::Carried && pose.unseen <= CARRIED_BLIND_TIMES * self.blind_frames;
+            let is_carried = self.is_carried(pose);
             for ((taken, hand), is_full) in self.may_be_taken.iter_mut().zip(&self.hands).zip(is_full) {
                 let may_be = match is_carried {
                     true => !is_full && may_have_come(hand, u32::MAX),
@@ -346,8 +345,10 @@ impl Scene {
 
     /// What a seen hand carries goes with it for longer: how it is seen again shows whether it did.
     pub(super) fn object_visibility(&self, pose: &ObjectPose) -> Visibility {
-        let is_carried =
-            pose.source == Source::Carried && pose.unseen <= CARRIED_BLIND_TIMES * self.blind_frames;
-        if is_carried { Visibility::Assumed } else { self.visibility(pose.unseen) }
+        if self.is_carried(pose) { Visibility::Assumed } else { self.visibility(pose.unseen) }
+    }
+
+    fn is_carried(&self, pose: &ObjectPose) -> bool {
+        pose.source == Source::Carried && pose.unseen <= CARRIED_BLIND_TIMES * self.blind_frames
     }
 }
