@@ -91,8 +91,7 @@ impl<'a> Fold<'a> {
     /// `None` if nothing can be learnt of how the others meet.
     fn new(runs: &[&'a Run], index: usize, options: &'a TeachOptions) -> Option<Self> {
         let others = runs.iter().enumerate().filter(|(other, _)| *other != index);
-        let others: Vec<Run> = others.map(|(_, run)| (*run).clone()).collect();
-        let mut others = Teaching::new(&others, options);
+        let mut others = Teaching::new(others.map(|(_, run)| (*run).clone()).collect(), options);
         others.meet().ok()?;
         Some(Self { left_out: runs[index], others })
     }

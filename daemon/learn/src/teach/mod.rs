@@ -58,7 +58,7 @@ use trust::{Odd, odd_runs, too_few_frames, without_copies};
 /// If there is no run, if the runs have nothing in common, if the job exceeds a capacity, or if an option is out of its range.
 pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachReport), TeachError> {
     options.check()?;
-    let mut teaching = Teaching::new(runs, options);
+    let mut teaching = Teaching::new(runs.to_vec(), options);
     teaching.examine()?;
     teaching.meet().map_err(|nothing| teaching.doubtful(nothing))?;
     teaching.leave_one_out();
@@ -73,7 +73,7 @@ pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachRepo
 /// # Errors
 /// If the objects cannot be used.
 pub fn as_shown_to_meet(runs: &[Run], options: &TeachOptions) -> Result<Vec<Run>, TeachError> {
-    let mut teaching = Teaching::new(runs, options);
+    let mut teaching = Teaching::new(runs.to_vec(), options);
     teaching.meet()?;
     Ok(teaching.runs)
 }
@@ -84,7 +84,7 @@ pub fn as_shown_to_meet(runs: &[Run], options: &TeachOptions) -> Result<Vec<Run>
 /// As for [`teach`].
 pub fn teach_again(runs: &[Run], options: &TeachOptions, memory: &mut Memory) -> Result<JobFile, TeachError> {
     options.check()?;
-    let mut teaching = Teaching::new(runs, options);
+    let mut teaching = Teaching::new(runs.to_vec(), options);
     std::mem::swap(&mut teaching.memory, memory);
     teaching.agree();
     let learnt = teaching.learn();
@@ -97,9 +97,9 @@ pub fn teach_again(runs: &[Run], options: &TeachOptions, memory: &mut Memory) ->
 /// Runs on their way to a job. The report, which has the job, grows from stage to stage.
 struct Teaching<'a> {
     options: &'a TeachOptions,
-    /// The different runs as they were given.
+    /// The different runs as they were given, once `runs` are not.
     given: Vec<Run>,
-    /// The same where hands and objects meet as they show it.
+    /// The different runs, where hands and objects meet as they show it once that is found.
     runs: Vec<Run>,
     agreement: Agreement,
     strengths: Strengths,
@@ -110,11 +110,11 @@ struct Teaching<'a> {
 }
 
 impl<'a> Teaching<'a> {
-    fn new(runs: &[Run], options: &'a TeachOptions) -> Self {
+    fn new(runs: Vec<Run>, options: &'a TeachOptions) -> Self {
         Self {
             options,
-            given: runs.to_vec(),
-            runs: runs.to_vec(),
+            given: Vec::new(),
+            runs,
             agreement: Agreement::default(),
             strengths: Strengths::default(),
             left_out: None,
@@ -126,13 +126,12 @@ impl<'a> Teaching<'a> {
 
     /// Takes out copies, and looks for runs with too few frames.
     fn examine(&mut self) -> Result<(), TeachError> {
-        if self.given.is_empty() {
+        if self.runs.is_empty() {
             return Err(TeachError::NoRun);
         }
         if self.options.examine_runs {
-            self.report.doubts.extend(without_copies(&mut self.given));
-            self.report.doubts.extend(too_few_frames(&self.given, &self.options.method));
-            self.runs.clone_from(&self.given);
+            self.report.doubts.extend(without_copies(&mut self.runs));
+            self.report.doubts.extend(too_few_frames(&self.runs, &self.options.method));
         }
         Ok(())
     }
@@ -154,7 +153,8 @@ impl<'a> Teaching<'a> {
     fn meetings(&mut self) -> Result<(), TeachError> {
         let (objects, unsure) = meetings::learn(&self.runs, &self.options.method);
         self.report.unsure = unsure;
-        self.runs = encoded_with(&objects, &self.runs)?;
+        let encoded = encoded_with(&objects, &self.runs)?;
+        self.given = std::mem::replace(&mut self.runs, encoded);
         Ok(())
     }
 
@@ -183,7 +183,8 @@ impl<'a> Teaching<'a> {
     /// Finds which rules give way to a run that was left out while the others taught.
     fn leave_one_out(&mut self) {
         if self.options.leave_one_out {
-            self.left_out = leave_one_out::tried(&self.agreement.used_runs(&self.given), self.options);
+            let given = if self.given.is_empty() { &self.runs } else { &self.given };
+            self.left_out = leave_one_out::tried(&self.agreement.used_runs(given), self.options);
         }
         if let Some(left_out) = &self.left_out {
             self.strengths = left_out.strengths.clone();
