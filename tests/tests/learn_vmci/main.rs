@@ -228,10 +228,10 @@ fn without_points_all_rules_of_the_second_experiment_are_taught_where_the_runs_m
 }
 
 #[test]
-fn without_points_the_ladder_of_rules_begins_with_meetings_from_the_runs() {
+fn without_points_the_ladder_of_rules_begins_with_contact_regions_from_the_runs() {
     let method = Method { space: Space::Metric, ..Method::default() };
     let all = labelled_without_points(&method);
-    let rules = Variation::ladder_with_meetings(method.bins);
+    let rules = Variation::ladder_with_contact_regions(method.bins);
     let outcomes =
         experiment_2(&all, &method, &rules, &[Split::Random], environment::seed(), &mut |_| {}).unwrap();
     let untaught: Vec<u32> = outcomes.iter().map(|outcome| outcome.untaught).collect();

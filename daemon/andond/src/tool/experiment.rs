@@ -68,7 +68,7 @@ fn second(
 fn ladder(folders: &[PathBuf], arguments: &Experiment) -> Result<String, ToolError> {
     let outcomes = |folder: &PathBuf| {
         let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned();
-        let rules = |bins, _: &[Labelled]| Variation::ladder_with_meetings(bins);
+        let rules = |bins, _: &[Labelled]| Variation::ladder_with_contact_regions(bins);
         Ok((name, second(folder, arguments, rules, &[Split::Random])?))
     };
     let folders = folders.iter().map(outcomes).collect::<Result<_, ToolError>>()?;

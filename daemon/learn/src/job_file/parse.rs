@@ -104,7 +104,7 @@ struct ObjectText {
     #[serde(default)]
     position_only: bool,
     #[serde(default)]
-    meetings: Vec<MeetingText>,
+    meetings: Vec<ContactRegionText>,
     #[serde(default)]
     incidental: Vec<u16>,
     start: Option<StartText>,
@@ -119,7 +119,7 @@ struct StartText {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct MeetingText {
+struct ContactRegionText {
     with: u16,
     points: Vec<Point>,
     on_m: f32,
@@ -285,18 +285,18 @@ fn method_of(text: MethodText) -> Method {
 
 fn object_of(index: usize, text: ObjectText) -> Result<NamedObject, JobFault> {
     let key = format!("object[{index}]");
-    let meeting = |text: MeetingText| {
-        let MeetingText { with, points, on_m, off_m } = text;
+    let region = |text: ContactRegionText| {
+        let ContactRegionText { with, points, on_m, off_m } = text;
         let points = fitting(&points, &format!("{key}.meetings.points"))?;
         Ok::<_, JobFault>(Meeting { with, points, contact: Contact { on_m, off_m } })
     };
-    let meetings: Vec<Meeting> = text.meetings.into_iter().map(meeting).collect::<Result<_, _>>()?;
+    let regions: Vec<Meeting> = text.meetings.into_iter().map(region).collect::<Result<_, _>>()?;
     Ok(NamedObject {
         name: text.name,
         shape: ObjectShape {
             id: text.id,
             interaction_points: fitting(&text.interaction_points, &format!("{key}.interaction_points"))?,
-            meetings: fitting(&meetings, &format!("{key}.meetings"))?,
+            meetings: fitting(&regions, &format!("{key}.meetings"))?,
             incidental: fitting(&text.incidental, &format!("{key}.incidental"))?,
             is_position_only: text.position_only,
             start: text

@@ -9,11 +9,11 @@
 //! the report.
 
 mod bounds;
+mod contact_regions;
 mod ius;
 mod kind;
 mod leave_one_out;
 mod measures;
-mod meetings;
 mod noticed;
 mod options;
 mod order;
@@ -138,20 +138,20 @@ impl<'a> Teaching<'a> {
 
     /// The stages that find where hands and objects meet, and what the runs then have in common.
     fn meet(&mut self) -> Result<(), TeachError> {
-        if self.options.find_meetings {
-            self.meetings()?;
+        if self.options.find_contact_regions {
+            self.contact_regions()?;
             self.pairs()?;
         }
         self.agree();
-        if self.options.find_meetings {
+        if self.options.find_contact_regions {
             self.reach()?;
         }
         Ok(())
     }
 
     /// Finds where and how near hands and objects meet.
-    fn meetings(&mut self) -> Result<(), TeachError> {
-        let (objects, unsure) = meetings::learn(&self.runs, &self.options.method);
+    fn contact_regions(&mut self) -> Result<(), TeachError> {
+        let (objects, unsure) = contact_regions::learn(&self.runs, &self.options.method);
         self.report.unsure = unsure;
         let encoded = encoded_with(&objects, &self.runs)?;
         self.given = std::mem::replace(&mut self.runs, encoded);
@@ -162,7 +162,7 @@ impl<'a> Teaching<'a> {
     fn pairs(&mut self) -> Result<(), TeachError> {
         self.runs = pairs::choose(std::mem::take(&mut self.runs))?;
         let objects = self.runs.first().map_or(&[][..], |run| &run.objects);
-        self.report.unsure.extend(meetings::incidental(objects));
+        self.report.unsure.extend(contact_regions::incidental(objects));
         Ok(())
     }
 

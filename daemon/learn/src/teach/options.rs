@@ -39,7 +39,7 @@ pub struct TeachOptions {
     /// Whether it is measured how many frames per second the job needs; otherwise nothing is asked of the rate.
     pub measure_rate: bool,
     /// Whether the runs show where and how near hands and objects meet; otherwise it is as their objects say.
-    pub find_meetings: bool,
+    pub find_contact_regions: bool,
     /// Whether the runs are examined for what speaks against learning from them.
     pub examine_runs: bool,
     /// Whether each run is judged by what the others teach, and what rejects it is no law. It takes as many times as long.
@@ -68,7 +68,7 @@ impl TeachOptions {
             strictness: Strictness::default(),
             order_matters: None,
             measure_rate: true,
-            find_meetings: true,
+            find_contact_regions: true,
             examine_runs: true,
             leave_one_out: true,
             step_names: Vec::new(),

@@ -11,8 +11,8 @@
 //! alone was called right in 6 of 15 runs.
 
 use super::TeachError;
+use super::contact_regions::SAME_PLACE_M;
 use super::kind::MotionKind;
-use super::meetings::SAME_PLACE_M;
 use super::strength::{Rule, StepKey, Strengths};
 use crate::job_file::{Source, context_words};
 use crate::recording::object_name;

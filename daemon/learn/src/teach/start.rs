@@ -4,8 +4,8 @@
 //! A part counts only if the runs put it down far enough away, and if it has a place of its own, to which they put it back. It may come to lie at its first place again in one of 200 jobs at most.
 //! Before, 8 of 140 right jobs ended in their middle, because a tool was put down 3 cm from its first place.
 
+use super::contact_regions::{PUT_BACK_M, PUT_DOWN_M};
 use super::measures::{RARE, interval};
-use super::meetings::{PUT_BACK_M, PUT_DOWN_M};
 use super::people::People;
 use super::sequence::Agreement;
 use super::strength::Strength;

@@ -102,7 +102,7 @@ fn nominal(
         has_free_ends: false,
         measure_rate: false,
         examine_runs: false,
-        find_meetings: false,
+        find_contact_regions: false,
         ..TeachOptions::new("", "", *method)
     };
     let taught = |what: &str| -> Result<Vec<TaughtActivity>, TeachError> {

@@ -26,7 +26,7 @@ impl Order {
             cost,
             measure_rate: false,
             examine_runs: false,
-            find_meetings: false,
+            find_contact_regions: false,
             ..TeachOptions::new(name, "", *method)
         };
         let (job, report) = teach(&runs, &options).ok()?;

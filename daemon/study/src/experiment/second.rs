@@ -101,7 +101,7 @@ pub fn run(
     // Where no variation is without the filter, nothing is encoded again.
     let needs_both = variations.iter().any(|variation| !variation.is_filtered);
     let raw = if needs_both { encoded_again(all, &unfiltered)? } else { Vec::new() };
-    let finds_meetings = variations.iter().any(|variation| variation.finds_meetings);
+    let finds_contact_regions = variations.iter().any(|variation| variation.finds_contact_regions);
     let mut judged = Judged { all, couples: vec![None; all.len()], objects: Vec::new() };
     let (mut outcomes, mut done) = (Vec::new(), 0);
     for (split, rounds) in divided {
@@ -113,7 +113,7 @@ pub fn run(
             let mut encodings = Encodings::new(filtered, raw, variations)?;
             for outcome in &mut outcomes[first..] {
                 match encodings.teach(&outcome.variation) {
-                    Err(nothing) if finds_meetings && nothing.is_of_runs() => outcome.untaught += 1,
+                    Err(nothing) if finds_contact_regions && nothing.is_of_runs() => outcome.untaught += 1,
                     job => judged.add_to(outcome, &job?, &test)?,
                 }
                 done += 1;

@@ -17,7 +17,7 @@ activity each, 10 rounds). This table follows the protocol.";
 const NOTHING: &str = "the correct executions have nothing in common";
 
 /// Of rules that do not use the points at which the recordings say that objects are touched.
-const MEETINGS: &str = "No recording says where its objects are touched: hands and objects meet where the training executions show it.\n";
+const CONTACT_REGIONS: &str = "No recording says where its objects are touched: hands and objects meet where the training executions show it.\n";
 
 /// The table of the second experiment, with one row per outcome. `Display` prints it for people.
 #[derive(Clone, Debug)]
@@ -48,8 +48,8 @@ impl fmt::Display for Table {
                 rounds => writeln!(f, "; in {rounds} more rounds {NOTHING}")?,
             }
         }
-        if self.0.iter().any(|outcome| outcome.variation.finds_meetings) {
-            f.write_str(MEETINGS)?;
+        if self.0.iter().any(|outcome| outcome.variation.finds_contact_regions) {
+            f.write_str(CONTACT_REGIONS)?;
         }
         f.write_str(REMARK)
     }

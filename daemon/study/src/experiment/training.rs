@@ -15,7 +15,7 @@ pub(super) struct Encodings {
 
 struct Encoding {
     is_filtered: bool,
-    finds_meetings: bool,
+    finds_contact_regions: bool,
     training: Training,
 }
 
@@ -33,22 +33,22 @@ impl Encodings {
         for (is_filtered, training) in [(true, Some(filtered)), (false, raw)] {
             let Some(training) = training else { continue };
             let mut needing = variations.iter().filter(|one| one.is_filtered == is_filtered);
-            if needing.any(|one| one.finds_meetings) {
+            if needing.any(|one| one.finds_contact_regions) {
                 all.push(Encoding {
                     is_filtered,
-                    finds_meetings: true,
+                    finds_contact_regions: true,
                     training: training.as_shown_to_meet()?,
                 });
             }
-            all.push(Encoding { is_filtered, finds_meetings: false, training });
+            all.push(Encoding { is_filtered, finds_contact_regions: false, training });
         }
         Ok(Self { all })
     }
 
     /// The job that these rules teach.
     pub(super) fn teach(&mut self, rules: &Variation) -> Result<JobFile, TeachError> {
-        let needed = (rules.is_filtered, rules.finds_meetings);
-        let index = self.all.iter().position(|one| (one.is_filtered, one.finds_meetings) == needed);
+        let needed = (rules.is_filtered, rules.finds_contact_regions);
+        let index = self.all.iter().position(|one| (one.is_filtered, one.finds_contact_regions) == needed);
         self.all[index.unwrap_or_default()].training.teach(rules)
     }
 }

@@ -13,7 +13,7 @@ pub struct Variation {
     /// Whether `x_m` passes through the opening-closing filter.
     pub(super) is_filtered: bool,
     /// Whether the runs show where and how near hands and objects meet. Otherwise they meet at the points that the recordings give.
-    pub(super) finds_meetings: bool,
+    pub(super) finds_contact_regions: bool,
     /// How motions are compared.
     pub(super) cost: LocalCost,
     /// The job's [`max_slowdown`](andon_core::job::Job::max_slowdown).
@@ -33,7 +33,7 @@ impl Variation {
         Self {
             name: "paper",
             is_filtered: true,
-            finds_meetings: false,
+            finds_contact_regions: false,
             cost: LocalCost::Normalised { bins },
             max_slowdown: 1.0,
             has_free_ends: false,
@@ -80,12 +80,12 @@ impl Variation {
     }
 
     /// The same [`ladder`](Self::ladder) with one more step behind the paper's rules: hands and objects meet where the runs show it.
-    pub fn ladder_with_meetings(bins: u8) -> Vec<Self> {
+    pub fn ladder_with_contact_regions(bins: u8) -> Vec<Self> {
         let paper = Self::paper(bins);
-        let found = Self { name: "+ meetings from the runs", finds_meetings: true, ..paper.clone() };
+        let found = Self { name: "+ meetings from the runs", finds_contact_regions: true, ..paper.clone() };
         let mut all = Self::ladder(bins);
         let behind = 1 + all.iter().position(|one| *one == paper).unwrap_or_default();
-        all[behind..].iter_mut().for_each(|one| one.finds_meetings = true);
+        all[behind..].iter_mut().for_each(|one| one.finds_contact_regions = true);
         all.insert(behind, found);
         all
     }
@@ -96,7 +96,7 @@ impl Variation {
     pub fn for_recordings(mut variations: Vec<Self>, all: &[Labelled]) -> Vec<Self> {
         let mut objects = all.iter().flat_map(|one| &one.run.objects);
         let is_any_given = objects.any(|object| object.shape.has_points());
-        variations.iter_mut().for_each(|one| one.finds_meetings |= !is_any_given);
+        variations.iter_mut().for_each(|one| one.finds_contact_regions |= !is_any_given);
         variations
     }
 

@@ -6,9 +6,9 @@
 use crate::distribution::{Distribution, Right};
 use crate::run::{Iu, Run};
 use crate::statistics::{deviation, median};
+use crate::teach::contact_regions::MAX_REGION_M;
 use crate::teach::kind::MIN_REPEATED_REVERSALS;
 use crate::teach::measures::{COUNTED_SHARE, HAND_WIDTH_M, PRIOR_PATH, do_agree, likely_reversals};
-use crate::teach::meetings::MAX_REGION_M;
 use crate::teach::options::TeachOptions;
 use crate::teach::sequence::{Agreement, MIN_RUNS, Sequence};
 use crate::teach::threshold::compared;

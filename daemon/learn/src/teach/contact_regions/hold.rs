@@ -5,7 +5,7 @@
 
 use super::steadying;
 use super::trajectory::{Tips, Trajectories};
-use super::{apart_m, centres, contact_of, median, meeting, points_of};
+use super::{apart_m, centres, contact_of, contact_region, median, points_of};
 use andon_core::config::Contact;
 use andon_core::object::{Meeting, ObjectShape};
 
@@ -40,5 +40,5 @@ pub(super) fn of(
         f64::from(distances[distances.len() * 9 / 10])
     };
     let contact = contact_of(&holds.iter().map(farthest).collect::<Vec<_>>(), default);
-    meeting(Meeting::HAND, &learnt, contact, default)
+    contact_region(Meeting::HAND, &learnt, contact, default)
 }

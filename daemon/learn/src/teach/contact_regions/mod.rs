@@ -91,7 +91,7 @@ fn points_of(shape: &ObjectShape) -> Vec<Point3<f32>> {
 }
 
 /// `None` where it is as it would be without.
-fn meeting(with: u16, points: &[Point3<f32>], contact: Contact, default: Contact) -> Option<Meeting> {
+fn contact_region(with: u16, points: &[Point3<f32>], contact: Contact, default: Contact) -> Option<Meeting> {
     (!points.is_empty() || contact != default).then(|| Meeting {
         with,
         points: points.iter().map(|point| [point.x, point.y, point.z]).collect(),

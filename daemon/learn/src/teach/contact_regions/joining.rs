@@ -5,8 +5,8 @@
 
 use super::trajectory::{Dwell, Trajectories};
 use super::{
-    MAX_REGION_M, PUT_BACK_M, PUT_DOWN_M, SAME_PLACE_M, apart_m, centres, contact_of, in_proportion, median,
-    meeting, points_of, widened,
+    MAX_REGION_M, PUT_BACK_M, PUT_DOWN_M, SAME_PLACE_M, apart_m, centres, contact_of, contact_region,
+    in_proportion, median, points_of, widened,
 };
 use andon_core::config::Contact;
 use andon_core::object::{Meeting, ObjectShape};
@@ -41,7 +41,7 @@ pub(super) fn of(
         let elsewhere =
             || if met.len() < dwells.len() { in_proportion(default, BESIDE_CONTACT_M) } else { default };
         let contact = at_given_points([with, at], shapes, shown, &met, default);
-        return meeting(id, &[], contact.unwrap_or_else(elsewhere), default);
+        return contact_region(id, &[], contact.unwrap_or_else(elsewhere), default);
     }
     let first: Vec<Point3<f32>> = shown.iter().filter_map(|run| run.first_place(with, at)).collect();
     at_learnt_places(id, &places, &first, shown.len(), default)
@@ -194,7 +194,7 @@ fn at_learnt_places(
     let next_m = others.iter().map(|place| apart(&place.at)).chain(elsewhere).fold(f32::INFINITY, f32::min);
     let contact = contact_of(&distances, default);
     let wide = widened(default, contact.on_m.max(MAX_REGION_M.min(next_m / 2.0)));
-    meeting(id, &points, wide, default)
+    contact_region(id, &points, wide, default)
 }
 
 #[cfg(test)]
