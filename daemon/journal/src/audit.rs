@@ -8,7 +8,7 @@ use super::{Journal, JournalError};
 
 /// One thing that was done.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Deed {
+pub struct AuditEntry {
     /// When, nanoseconds since 1970 UTC.
     pub utc_ns: u64,
     /// A word of [`AuditKind`].
@@ -26,7 +26,7 @@ impl Journal {
     /// [`JournalError`] when it could not be written; nothing is kept for later.
     pub fn record(&mut self, audit: &Audit) -> Result<(), JournalError> {
         let kind = AuditKind::try_from(audit.kind).map_or("?", AuditKind::name);
-        self.insert_deed(audit.utc_ns, kind, (audit.who(), audit.what()), audit.stamp.id())
+        self.insert_audit(audit.utc_ns, kind, (audit.who(), audit.what()), audit.stamp.id())
     }
 
     /// Writes what this process itself has found or done.
@@ -36,7 +36,7 @@ impl Journal {
     pub fn note(&mut self, utc_ns: u64, kind: AuditKind, who: &str, what: &str) -> Result<(), JournalError> {
         // The epochs of messages are times since the boot: a time since 1970 is none of them.
         let id = MessageId { epoch: utc_ns, seq: kind.code().into() };
-        self.insert_deed(utc_ns, kind.name(), (who, what), id)
+        self.insert_audit(utc_ns, kind.name(), (who, what), id)
     }
 
     /// Writes that the line runs with something else than it did last; nothing where it is the same. The first is no change.
@@ -67,7 +67,7 @@ impl Journal {
         written.map(drop).map_err(|source| self.failed(source))
     }
 
-    fn insert_deed(
+    fn insert_audit(
         &mut self,
         utc_ns: u64,
         kind: &str,

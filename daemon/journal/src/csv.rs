@@ -6,10 +6,10 @@ use std::io::{self, Write};
 use jiff::Timestamp;
 use shm_schemas::{COLUMNS, Value, Verdict, VerdictLevel, VerdictOutcome, verdict_kind};
 
-use super::audit::Deed;
+use super::audit::AuditEntry;
 use super::entry::{Entry, Gap, NotWatching};
 
-pub(super) const DEEDS_HEADER: &str = "utc,kind,who,what\r\n";
+pub(super) const AUDIT_HEADER: &str = "utc,kind,who,what\r\n";
 
 /// What a line begins with, before the columns of a verdict.
 const FIRST: [&str; 3] = ["decided_utc", "entry", "kind"];
@@ -38,9 +38,9 @@ pub(super) fn header() -> String {
 }
 
 /// Writes the line of what was done. These are words of people, so they are quoted.
-pub(super) fn write_deed(deed: &Deed, out: &mut dyn Write) -> io::Result<()> {
+pub(super) fn write_audit(audit: &AuditEntry, out: &mut dyn Write) -> io::Result<()> {
     let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
-    write!(out, "{},{},{},{}\r\n", utc(deed.utc_ns), deed.kind, quoted(&deed.who), quoted(&deed.what))
+    write!(out, "{},{},{},{}\r\n", utc(audit.utc_ns), audit.kind, quoted(&audit.who), quoted(&audit.what))
 }
 
 /// Writes the line of an entry.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use rusqlite::{Connection, OpenFlags, Row, params};
 use shm_schemas::PartId;
 
-use super::audit::Deed;
+use super::audit::AuditEntry;
 use super::csv;
 use super::entry::{Entry, Gap, NotWatching};
 use super::error::JournalError;
@@ -77,21 +77,21 @@ impl History {
     ///
     /// # Errors
     /// As [`History::visit`].
-    pub fn visit_deeds(
+    pub fn visit_audit(
         &self,
         since_utc_ns: Option<u64>,
-        mut visit: impl FnMut(Deed) -> Result<(), JournalError>,
+        mut visit: impl FnMut(AuditEntry) -> Result<(), JournalError>,
     ) -> Result<(), JournalError> {
         let failed = |source| JournalError::of(&self.path, 0, source);
         let query = "SELECT utc_ns, kind, who, what FROM audit WHERE utc_ns >= ?1 ORDER BY id";
         let mut statement = self.connection.prepare(query).map_err(failed)?;
         let mut rows = statement.query(params![since_utc_ns.map_or(0, signed)]).map_err(failed)?;
         while let Some(row) = rows.next().map_err(failed)? {
-            let deed = || -> rusqlite::Result<Deed> {
-                let utc_ns = row.get("utc_ns").map(unsigned)?;
-                Ok(Deed { utc_ns, kind: row.get("kind")?, who: row.get("who")?, what: row.get("what")? })
+            let entry = || -> rusqlite::Result<AuditEntry> {
+                let (utc_ns, kind) = (row.get("utc_ns").map(unsigned)?, row.get("kind")?);
+                Ok(AuditEntry { utc_ns, kind, who: row.get("who")?, what: row.get("what")? })
             };
-            visit(deed().map_err(failed)?)?;
+            visit(entry().map_err(failed)?)?;
         }
         Ok(())
     }
@@ -100,13 +100,13 @@ impl History {
     ///
     /// # Errors
     /// As [`History::write_csv`].
-    pub fn write_deeds_csv(
+    pub fn write_audit_csv(
         &self,
         since_utc_ns: Option<u64>,
         out: &mut impl Write,
     ) -> Result<(), JournalError> {
-        out.write_all(csv::DEEDS_HEADER.as_bytes())?;
-        self.visit_deeds(since_utc_ns, |deed| Ok(csv::write_deed(&deed, out)?))?;
+        out.write_all(csv::AUDIT_HEADER.as_bytes())?;
+        self.visit_audit(since_utc_ns, |audit| Ok(csv::write_audit(&audit, out)?))?;
         Ok(out.flush()?)
     }
 

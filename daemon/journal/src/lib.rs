@@ -33,7 +33,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use rusqlite::{Connection, TransactionBehavior};
 use shm_schemas::{Account, MessageId, RoleId, Verdict};
 
-pub use audit::Deed;
+pub use audit::AuditEntry;
 pub use entry::{Entry, Gap, NotWatching};
 pub use error::JournalError;
 pub use history::{History, Query};

@@ -129,15 +129,15 @@ fn what_was_done_is_kept_once_with_who_and_when_and_a_change_names_what_was_befo
         bench.journal.note_change(at, AuditKind::Configuration, "user 0", what).unwrap();
     }
     let history = History::open(&bench.path()).unwrap();
-    let mut deeds = Vec::new();
-    let collect = |deed: Deed| {
-        deeds.push(format!("{} {} {}: {}", deed.utc_ns, deed.kind, deed.who, deed.what));
+    let mut audits = Vec::new();
+    let collect = |audit: AuditEntry| {
+        audits.push(format!("{} {} {}: {}", audit.utc_ns, audit.kind, audit.who, audit.what));
         Ok(())
     };
-    history.visit_deeds(None, collect).unwrap();
-    assert_eq!(deeds, ["5 command 192.0.2.7: enable", "8 configuration user 0: hash 2, before: hash 1"]);
+    history.visit_audit(None, collect).unwrap();
+    assert_eq!(audits, ["5 command 192.0.2.7: enable", "8 configuration user 0: hash 2, before: hash 1"]);
     let mut csv = Vec::new();
-    history.write_deeds_csv(Some(6), &mut csv).unwrap();
+    history.write_audit_csv(Some(6), &mut csv).unwrap();
     let csv = String::from_utf8(csv).unwrap();
     assert!(csv.ends_with(",configuration,\"user 0\",\"hash 2, before: hash 1\"\r\n"), "{csv}");
 }

@@ -25,7 +25,7 @@ use watching::Watching;
 const TRY_AGAIN: Duration = Duration::from_millis(250);
 
 /// What was done and waits while nothing can be written; as much as the channel's writers keep together.
-const MAX_DEEDS: usize = 256;
+const MAX_AUDITS: usize = 256;
 
 /// Runs until it is asked to stop. What is on the channel then is written first.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
@@ -42,7 +42,7 @@ struct Keeper {
     health: Reader<Health>,
     audits: Reader<Audit>,
     /// What was done and is not written yet.
-    deeds: VecDeque<Audit>,
+    audits: VecDeque<Audit>,
     watching: Watching,
     delivery: Delivery,
     /// Verdicts in gaps that have been logged.
@@ -110,7 +110,7 @@ impl Keeper {
             verdicts: cycle.node().reader()?,
             health: cycle.node().reader()?,
             audits: cycle.node().reader()?,
-            deeds: VecDeque::new(),
+            audits: VecDeque::new(),
             watching: Watching::new(config),
             lost: 0,
             removed: 0,
@@ -151,9 +151,9 @@ impl Keeper {
             self.watching.receive(&health);
         }
         self.watching.look();
-        while self.deeds.len() < MAX_DEEDS {
+        while self.audits.len() < MAX_AUDITS {
             let Some(audit) = self.audits.take()? else { break };
-            self.deeds.push_back(*audit);
+            self.audits.push_back(*audit);
         }
         while self.journal.has_room() {
             let Some(verdict) = cycle.take(&mut self.verdicts)? else { break };
@@ -200,9 +200,9 @@ impl Keeper {
             self.delivery.keep(&mut self.journal)?;
         }
         self.watching.write(&mut self.journal)?;
-        while let Some(audit) = self.deeds.front() {
+        while let Some(audit) = self.audits.front() {
             self.journal.record(audit)?;
-            self.deeds.pop_front();
+            self.audits.pop_front();
         }
         let was_failing = std::mem::take(&mut self.is_failing);
         if was_failing {

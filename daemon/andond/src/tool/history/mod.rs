@@ -51,12 +51,12 @@ pub fn run(arguments: &Arguments) -> Result<Code, ToolError> {
     let mut out = BufWriter::new(anstream::stdout().lock());
     if arguments.csv {
         match arguments.audit {
-            true => history.write_deeds_csv(since_utc_ns, &mut out)?,
+            true => history.write_audit_csv(since_utc_ns, &mut out)?,
             false => history.write_csv(&query, &mut out)?,
         }
     } else if arguments.audit {
-        write!(out, "{}", table::deeds_header(&clock)).map_err(ToolError::Print)?;
-        history.visit_deeds(since_utc_ns, |deed| Ok(table::write_deed(&deed, &clock, &mut out)?))?;
+        write!(out, "{}", table::audit_header(&clock)).map_err(ToolError::Print)?;
+        history.visit_audit(since_utc_ns, |audit| Ok(table::write_audit(&audit, &clock, &mut out)?))?;
     } else if arguments.summary || arguments.plot.is_some() {
         let mut summary = Summary::new(&known);
         history.visit(&query, |entry| {

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use andon_core::verdict::Level;
-use andon_journal::{Deed, Entry, Gap, NotWatching};
+use andon_journal::{AuditEntry, Entry, Gap, NotWatching};
 use shm_schemas::Verdict as Message;
 
 use crate::report::Teller;
@@ -87,12 +87,12 @@ fn missing_words(gap: &Gap) -> String {
     }
 }
 
-pub(super) fn deeds_header(clock: &Clock) -> String {
+pub(super) fn audit_header(clock: &Clock) -> String {
     format!("{:19}  what           who                  said ({})\n", "when", clock.zone())
 }
 
-pub(super) fn write_deed(deed: &Deed, clock: &Clock, out: &mut impl Write) -> io::Result<()> {
-    writeln!(out, "{:19}  {:14} {:20} {}", clock.date_time(deed.utc_ns), deed.kind, deed.who, deed.what)
+pub(super) fn write_audit(audit: &AuditEntry, clock: &Clock, out: &mut impl Write) -> io::Result<()> {
+    writeln!(out, "{:19}  {:14} {:20} {}", clock.date_time(audit.utc_ns), audit.kind, audit.who, audit.what)
 }
 
 #[cfg(test)]
