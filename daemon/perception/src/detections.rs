@@ -81,7 +81,7 @@ impl From<&ObjectDetection> for PlacedObject {
 
 /// How long the parts of perception took, in nanoseconds; 0 for a part that did not run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Spent {
+pub struct Timings {
     /// Palm detection.
     pub palm_ns: u64,
     /// Landmarks of all hands.
@@ -111,5 +111,5 @@ pub struct Detections {
     /// How well the picture can be seen.
     pub picture: Picture,
     /// How long it took. The measurement of perception's accuracy reads it.
-    pub spent: Spent,
+    pub timings: Timings,
 }

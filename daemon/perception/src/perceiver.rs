@@ -4,7 +4,7 @@ use crate::bench::{Bench, Calibration};
 use crate::carried::{CarriedObjects, PlacedHand};
 use crate::config::{HandsConfig, MarkersConfig, PerceptionConfig, ThreadsConfig};
 use crate::detections::{
-    Detections, HANDS, HandDetection, OBJECTS, ObjectDetection, PlacedObject, Side, Spent,
+    Detections, HANDS, HandDetection, OBJECTS, ObjectDetection, PlacedObject, Side, Timings,
 };
 use crate::error::PerceptionError;
 use crate::finder::{FoundObjects, ObjectFinder, SeenObject};
@@ -104,8 +104,8 @@ impl Perceiver {
             let _ = detections.hands.push(hand);
         }
         detections.hands_in_view = seen.in_view;
-        detections.spent.palm_ns = seen.spent.palm_ns;
-        detections.spent.landmarks_ns = seen.spent.landmarks_ns;
+        detections.timings.palm_ns = seen.timings.palm_ns;
+        detections.timings.landmarks_ns = seen.timings.landmarks_ns;
     }
 
     fn follow_carried(&mut self, detections: &mut Detections) {
@@ -131,7 +131,7 @@ fn tracker(
 struct SeenHands {
     hands: heapless::Vec<Found, HANDS>,
     in_view: usize,
-    spent: Spent,
+    timings: Timings,
 }
 
 fn see_hands(
@@ -143,7 +143,7 @@ fn see_hands(
     let _span = trace_span!("hands").entered();
     let mut seen = SeenHands::default();
     if let Some(tracker) = tracker {
-        seen.hands = tracker.step(image, captured_ns, workers, &mut seen.spent)?;
+        seen.hands = tracker.step(image, captured_ns, workers, &mut seen.timings)?;
         seen.in_view = tracker.followed();
     }
     Ok(seen)
@@ -164,7 +164,7 @@ impl SeenObjects {
         detections.twice = self.twice;
         detections.foreign_markers = self.foreign_markers;
         detections.picture = self.picture;
-        detections.spent.markers_ns = self.markers_ns;
+        detections.timings.markers_ns = self.markers_ns;
     }
 }
 

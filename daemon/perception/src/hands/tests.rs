@@ -7,7 +7,7 @@ use super::palm::{Palm, Palms};
 use super::region::Region;
 use super::tracker::{Found, Tracker};
 use crate::config::{HandsConfig, ThreadsConfig};
-use crate::detections::{HANDS, LANDMARKS, Side, Spent};
+use crate::detections::{HANDS, LANDMARKS, Side, Timings};
 use crate::error::PerceptionError;
 use crate::image::ImageView;
 use crate::pixel_format::PixelFormat;
@@ -163,7 +163,7 @@ impl Bench {
             row[..20].fill(corner);
         }
         let image = ImageView::new(1280, 720, 1280, PixelFormat::Gray8, &pixels).unwrap();
-        self.tracker.step(&image, self.now_ns, &self.workers, &mut Spent::default()).unwrap()
+        self.tracker.step(&image, self.now_ns, &self.workers, &mut Timings::default()).unwrap()
     }
 
     fn palm_detections(&self) -> usize {

@@ -7,7 +7,7 @@ use super::region::Region;
 use super::rest::Rest;
 use super::side::Evidence;
 use crate::config::HandsConfig;
-use crate::detections::{HANDS, LANDMARKS, Side, Spent};
+use crate::detections::{HANDS, LANDMARKS, Side, Timings};
 use crate::error::PerceptionError;
 use crate::image::ImageView;
 use crate::workers::Workers;
@@ -92,7 +92,7 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
         image: &ImageView<'_>,
         captured_ns: u64,
         workers: &Workers,
-        spent: &mut Spent,
+        timings: &mut Timings,
     ) -> Result<Vec<Found, HANDS>, PerceptionError> {
         let after_gap = self.previous_ns.is_some_and(|previous| {
             captured_ns.saturating_sub(previous) > u64::from(self.config.gap_ms) * 1_000_000
@@ -103,15 +103,15 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
         let followed = self.tracks.len();
         self.frames_since_search += 1;
         if after_gap {
-            self.search_after_gap(image, captured_ns, spent)?;
+            self.search_after_gap(image, captured_ns, timings)?;
         } else {
             self.follow(image, captured_ns, workers)?;
-            self.search_where_one_is_missing(image, followed, spent)?;
+            self.search_where_one_is_missing(image, followed, timings)?;
         }
         if !self.tracks.is_empty() {
             self.rest.end();
         }
-        spent.landmarks_ns += self.looks.iter_mut().map(Look::spent_ns).sum::<u64>();
+        timings.landmarks_ns += self.looks.iter_mut().map(Look::spent_ns).sum::<u64>();
         match self.tracks.as_mut_slice() {
             [first, second] => first.evidence.settle_pair(&mut second.evidence),
             tracks => tracks.iter_mut().for_each(|track| track.evidence.settle()),
@@ -130,13 +130,13 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
         &mut self,
         image: &ImageView<'_>,
         captured_ns: u64,
-        spent: &mut Spent,
+        timings: &mut Timings,
     ) -> Result<(), PerceptionError> {
         let old = std::mem::take(&mut self.tracks);
         for track in &old {
             self.remember(track, captured_ns);
         }
-        self.search(image, spent)?;
+        self.search(image, timings)?;
         for track in old {
             self.look(image, track.region)?;
         }
@@ -183,12 +183,12 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
         &mut self,
         image: &ImageView<'_>,
         followed: usize,
-        spent: &mut Spent,
+        timings: &mut Timings,
     ) -> Result<(), PerceptionError> {
         let has_searched = std::mem::take(&mut self.is_searching);
         if has_searched && self.is_one_missing() && !self.tracks.is_empty() {
             let (palms, took_ns) = self.palms.finish()?;
-            spent.palm_ns += took_ns;
+            timings.palm_ns += took_ns;
             self.look_at(image, &palms)?;
         }
         if !self.must_search(followed) {
@@ -196,7 +196,7 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
         }
         if self.tracks.is_empty() {
             let is_due = self.frames_since_search >= self.config.search_every_frames;
-            return if !is_due && self.rest.lasts(image) { Ok(()) } else { self.search(image, spent) };
+            return if !is_due && self.rest.lasts(image) { Ok(()) } else { self.search(image, timings) };
         }
         self.frames_since_search = 0;
         self.is_searching = true;
@@ -219,12 +219,12 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
     }
 
     /// Looks for hands in the whole picture.
-    fn search(&mut self, image: &ImageView<'_>, spent: &mut Spent) -> Result<(), PerceptionError> {
+    fn search(&mut self, image: &ImageView<'_>, timings: &mut Timings) -> Result<(), PerceptionError> {
         self.frames_since_search = 0;
         self.is_searching = false;
         let begin = Instant::now();
         let palms = self.palms.palms(image)?;
-        spent.palm_ns += begin.elapsed().as_nanos() as u64;
+        timings.palm_ns += begin.elapsed().as_nanos() as u64;
         self.look_at(image, &palms)?;
         if self.tracks.is_empty() {
             self.rest.found_nothing(image);

@@ -164,13 +164,13 @@ impl Score {
         self.frames += 1;
         self.frame_ms.push(1e3 * took.as_secs_f64());
         let ms = |ns: u64| ns as f64 / 1e6;
-        self.markers_ms.push(ms(detections.spent.markers_ns));
-        if detections.spent.landmarks_ns > 0 {
-            self.landmarks_ms.push(ms(detections.spent.landmarks_ns));
+        self.markers_ms.push(ms(detections.timings.markers_ns));
+        if detections.timings.landmarks_ns > 0 {
+            self.landmarks_ms.push(ms(detections.timings.landmarks_ns));
         }
-        if detections.spent.palm_ns > 0 {
+        if detections.timings.palm_ns > 0 {
             self.palm_detections += 1;
-            self.palm_ms.push(ms(detections.spent.palm_ns));
+            self.palm_ms.push(ms(detections.timings.palm_ns));
         }
     }
 
