@@ -89,7 +89,7 @@ pub struct Expected {
 /// Follows one camera.
 pub struct Sight {
     expected: Expected,
-    usual: Usual,
+    baseline: Baseline,
     stillness: Stillness,
     rate: Rate,
     work: Work,
@@ -106,7 +106,7 @@ impl Sight {
     pub fn new(expected: Expected) -> Self {
         Self {
             expected,
-            usual: Usual::default(),
+            baseline: Baseline::default(),
             stillness: Stillness::default(),
             rate: Rate::default(),
             work: Work::default(),
@@ -129,7 +129,7 @@ impl Sight {
             sign.step(trouble, since_ns, look.at_ns);
         }
         if shows.iter().all(Option::is_none) {
-            self.usual.learn(look);
+            self.baseline.learn(look);
         }
         let spell = |trouble: Trouble| {
             self.signs[trouble as usize].believed_ns.map(|since_ns| Spell { trouble, since_ns })
@@ -174,8 +174,8 @@ impl Sight {
             Trouble::Frozen => self.stillness.frozen_since_ns(),
             Trouble::Black => now(picture.black > FULL && finds_nothing),
             Trouble::White => now(picture.white > FULL && finds_nothing),
-            Trouble::Covered => now(!is_uniform && finds_nothing && self.usual.is_gone(picture)),
-            Trouble::Blurred => now(!is_uniform && self.usual.is_blurred(look)),
+            Trouble::Covered => now(!is_uniform && finds_nothing && self.baseline.is_gone(picture)),
+            Trouble::Blurred => now(!is_uniform && self.baseline.is_blurred(look)),
             Trouble::Noisy => now(picture.noise > NOISE && look.hands == 0),
             Trouble::CameraMoved => self.camera.moved_since_ns(),
             Trouble::TooFewFrames => self.rate.slow_since_ns(),
@@ -221,7 +221,7 @@ impl Sign {
 
 /// What this camera shows when all is well.
 #[derive(Default)]
-struct Usual {
+struct Baseline {
     pictures: u32,
     edges: f32,
     patches: f32,
@@ -253,13 +253,13 @@ const BLUR: f32 = 0.6;
 /// ... that is, if less than this share of the usual markers is found.
 const MARKERS_LEFT: f32 = 0.5;
 
-impl Usual {
+impl Baseline {
     fn learn(&mut self, look: &Look) {
         let has_lost_edges = self.has_lost_edges(&look.picture);
         self.pictures = self.pictures.saturating_add(1);
         // The first pictures count alike.
         let weight = LEARNING.max(1.0 / self.pictures as f32);
-        let blend = |usual: &mut f32, now: f32| *usual += weight * (now - *usual);
+        let blend = |mean: &mut f32, now: f32| *mean += weight * (now - *mean);
         blend(&mut self.edges, look.picture.edges);
         blend(&mut self.markers, look.markers.len() as f32);
         if let Some(sharpness) = look.picture.sharpness {
