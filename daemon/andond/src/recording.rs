@@ -63,12 +63,12 @@ pub struct Recording {
     header: Header,
     source: Source,
     frames: u64,
-    twins: Vec<Twin>,
+    duplicates: Vec<DuplicateMarker>,
 }
 
 /// A marker that was in view twice: its part counts as not seen in these frames, because nobody knows which of the two lies on it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Twin {
+pub struct DuplicateMarker {
     /// The marker and the part.
     pub id: u16,
     /// What people call the part.
@@ -77,7 +77,7 @@ pub struct Twin {
     pub frames: u64,
 }
 
-impl fmt::Display for Twin {
+impl fmt::Display for DuplicateMarker {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "marker {} ({}) is in view twice", self.id, self.name)
     }
@@ -156,7 +156,7 @@ impl Recording {
     }
 
     fn of(header: Header, source: Source) -> Self {
-        Self { header, source, frames: 0, twins: Vec::new() }
+        Self { header, source, frames: 0, duplicates: Vec::new() }
     }
 
     /// Rate, space, hands and objects.
@@ -191,7 +191,7 @@ impl Recording {
                 if frame.is_some() {
                     self.frames += 1;
                     wire::detections::twice(&watched.seen)
-                        .for_each(|id| note(&mut self.twins, &self.header, id));
+                        .for_each(|id| note(&mut self.duplicates, &self.header, id));
                 }
                 Ok(frame)
             }
@@ -200,17 +200,17 @@ impl Recording {
 
     /// What a person should know of the recording after it was read. `path` is what it is called.
     pub fn warnings(&self, path: &Path) -> Vec<String> {
-        let words = |twin: &Twin| {
+        let words = |duplicate: &DuplicateMarker| {
             format!(
-                "{}: {twin} in {} of {} frames, and the {} counts as not seen there: take the other print away, or give it an id of its own",
+                "{}: {duplicate} in {} of {} frames, and the {} counts as not seen there: take the other print away, or give it an id of its own",
                 path.display(),
-                twin.frames,
+                duplicate.frames,
                 self.frames,
-                twin.name
+                duplicate.name
             )
         };
         // What is read once or twice is a lucky pattern.
-        self.twins.iter().filter(|twin| twin.frames > 2).map(words).collect()
+        self.duplicates.iter().filter(|duplicate| duplicate.frames > 2).map(words).collect()
     }
 
     /// What the film shows now; a track file has no pictures.
@@ -227,12 +227,12 @@ impl Recording {
 }
 
 /// Notes that a marker is in view twice.
-fn note(twins: &mut Vec<Twin>, header: &Header, id: u16) {
-    match twins.iter_mut().find(|twin| twin.id == id) {
-        Some(twin) => twin.frames += 1,
+fn note(duplicates: &mut Vec<DuplicateMarker>, header: &Header, id: u16) {
+    match duplicates.iter_mut().find(|duplicate| duplicate.id == id) {
+        Some(duplicate) => duplicate.frames += 1,
         None => {
             let name = object_name(&header.objects, id);
-            twins.push(Twin { id, name, frames: 1 });
+            duplicates.push(DuplicateMarker { id, name, frames: 1 });
         }
     }
 }

@@ -4,6 +4,7 @@ mod audit;
 mod capture;
 mod clock;
 mod disabled;
+mod duplicates;
 mod encode;
 mod error;
 mod jobs;
@@ -16,7 +17,6 @@ mod plc;
 mod sight;
 mod steward;
 mod tracks;
-mod twins;
 mod visibility;
 
 use andon_host::cli;

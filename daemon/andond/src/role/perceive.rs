@@ -9,8 +9,8 @@ use andon_perception::metric::MetricScene;
 use andon_perception::{Detections as Seen, Perceiver};
 use shm_schemas::{Detections, Judging, RoleId, flag};
 
+use super::duplicates::DuplicateMarkers;
 use super::sight::SightWatch;
-use super::twins::Twins;
 use super::{RoleError, tracks};
 use crate::metric::{PlaceError, Placer};
 use crate::perception::SetupError;
@@ -33,7 +33,7 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         placer,
         is_without_bench: false,
         sight: SightWatch::new(config),
-        twins: Twins::new(config),
+        duplicates: DuplicateMarkers::new(config),
         source_epoch: 0,
         missed: 0,
     };
@@ -51,7 +51,7 @@ struct Perceive<'a> {
     /// Whether it was logged that the bench is not found.
     is_without_bench: bool,
     sight: SightWatch,
-    twins: Twins<'a>,
+    duplicates: DuplicateMarkers<'a>,
     /// Of the source that the perceiver has seen; 0 before the first.
     source_epoch: u64,
     /// Frames up to the newest one that were not processed, whoever lost or skipped them.
@@ -77,7 +77,7 @@ impl Role for Perceive<'_> {
         let newly_missed = missed - std::mem::replace(&mut self.missed, missed);
         let seen = if cycle.is_at_end() { None } else { Some(self.perceive(&frame)?) };
         if let Some((seen, _)) = &seen {
-            self.twins.look(&seen.twice, seen.captured_ns);
+            self.duplicates.look(&seen.twice, seen.captured_ns);
         }
         let look =
             |(seen, _): &(Seen, _)| self.sight.look(header, seen, newly_missed as u32, cycle.liveness());

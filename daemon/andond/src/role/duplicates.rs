@@ -10,18 +10,18 @@ const FRAMES: u32 = 5;
 const GONE_NS: u64 = 2_000_000_000;
 
 /// The markers that are or were in view twice.
-pub(super) struct Twins<'a> {
+pub(super) struct DuplicateMarkers<'a> {
     config: &'a Config,
-    known: Vec<Twin>,
+    known: Vec<DuplicateMarker>,
 }
 
-struct Twin {
+struct DuplicateMarker {
     id: u16,
     frames: u32,
     newest_ns: u64,
 }
 
-impl<'a> Twins<'a> {
+impl<'a> DuplicateMarkers<'a> {
     pub(super) fn new(config: &'a Config) -> Self {
         Self { config, known: Vec::new() }
     }
@@ -39,17 +39,18 @@ impl<'a> Twins<'a> {
     /// Those of them that are news.
     fn news(&mut self, twice: &[u16], now_ns: u64) -> Vec<u16> {
         // The times of another source may begin anew.
-        self.known.retain(|twin| now_ns >= twin.newest_ns && now_ns - twin.newest_ns < GONE_NS);
+        self.known
+            .retain(|duplicate| now_ns >= duplicate.newest_ns && now_ns - duplicate.newest_ns < GONE_NS);
         let mut news = Vec::new();
         for &id in twice {
-            let index = self.known.iter().position(|twin| twin.id == id).unwrap_or_else(|| {
-                self.known.push(Twin { id, frames: 0, newest_ns: now_ns });
+            let index = self.known.iter().position(|duplicate| duplicate.id == id).unwrap_or_else(|| {
+                self.known.push(DuplicateMarker { id, frames: 0, newest_ns: now_ns });
                 self.known.len() - 1
             });
-            let twin = &mut self.known[index];
-            twin.newest_ns = now_ns;
-            twin.frames = twin.frames.saturating_add(1);
-            if twin.frames == FRAMES {
+            let duplicate = &mut self.known[index];
+            duplicate.newest_ns = now_ns;
+            duplicate.frames = duplicate.frames.saturating_add(1);
+            if duplicate.frames == FRAMES {
                 news.push(id);
             }
         }
@@ -62,16 +63,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_twin_is_told_once_while_it_is_there_and_again_when_it_comes_back() {
+    fn a_duplicate_is_told_once_while_it_is_there_and_again_when_it_comes_back() {
         let config = Config::default();
-        let mut twins = Twins::new(&config);
+        let mut duplicates = DuplicateMarkers::new(&config);
         let mut told = Vec::new();
         for frame in 0..600_u64 {
             // From the fifth to the seventh second there is one, except in every seventh frame; and one picture that looks like it.
             let is_there =
                 (150..210).contains(&frame) && frame % 7 != 0 || (400..420).contains(&frame) || frame == 20;
             let twice: &[u16] = if is_there { &[5] } else { &[] };
-            if !twins.news(twice, frame * 33_333_333).is_empty() {
+            if !duplicates.news(twice, frame * 33_333_333).is_empty() {
                 told.push(frame);
             }
         }
