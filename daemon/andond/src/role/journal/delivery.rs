@@ -19,13 +19,13 @@ pub(super) struct Delivery {
     updates: Reader<AccountUpdate>,
     kept: Output<Writer<AccountKept>>,
     rows: Output<Writer<Journalled>>,
-    debts: Vec<Debt>,
+    backlogs: Vec<Backlog>,
     /// The consumers must be told what is on disk.
     owes_answer: bool,
 }
 
 /// What is owed to one consumer.
-struct Debt {
+struct Backlog {
     consumer: RoleId,
     /// What is to be kept and is not on disk yet.
     pending: Option<Account>,
@@ -38,7 +38,7 @@ struct Debt {
     has_more: bool,
 }
 
-impl Debt {
+impl Backlog {
     fn new(consumer: RoleId) -> Self {
         Self { consumer, pending: None, asked: None, sent_row: 0, room: 0, has_more: false }
     }
@@ -67,7 +67,7 @@ impl Delivery {
             updates: node.reader()?,
             kept: Output::beside(node.writer()?),
             rows: Output::new(node.writer()?, &[]),
-            debts: consumers.into_iter().map(Debt::new).collect(),
+            backlogs: consumers.into_iter().map(Backlog::new).collect(),
             // Whoever waits must hear of a journal that has come.
             owes_answer: true,
         })
@@ -86,9 +86,9 @@ impl Delivery {
     /// Takes what the consumers have sent: of each only the newest counts.
     pub(super) fn receive(&mut self, journal: &Journal, cycle: &mut Cycle<'_>) -> Result<(), Error> {
         while let Some(update) = self.updates.take()? {
-            match update.consumer().ok().and_then(|consumer| self.debt(consumer)) {
-                Some(debt) => {
-                    debt.receive(&update, journal.identity());
+            match update.consumer().ok().and_then(|consumer| self.backlog(consumer)) {
+                Some(backlog) => {
+                    backlog.receive(&update, journal.identity());
                     self.owes_answer = true;
                 }
                 None => cycle.liveness().refused(),
@@ -98,39 +98,39 @@ impl Delivery {
     }
 
     /// What this consumer is owed; `None` where there are too many consumers.
-    fn debt(&mut self, consumer: RoleId) -> Option<&mut Debt> {
-        let known = self.debts.iter().position(|debt| debt.consumer == consumer);
-        if known.is_none() && self.debts.len() < CONSUMERS {
-            self.debts.push(Debt::new(consumer));
-            return self.debts.last_mut();
+    fn backlog(&mut self, consumer: RoleId) -> Option<&mut Backlog> {
+        let known = self.backlogs.iter().position(|backlog| backlog.consumer == consumer);
+        if known.is_none() && self.backlogs.len() < CONSUMERS {
+            self.backlogs.push(Backlog::new(consumer));
+            return self.backlogs.last_mut();
         }
-        known.map(|index| &mut self.debts[index])
+        known.map(|index| &mut self.backlogs[index])
     }
 
     /// Another database has taken the place of the one before: the consumers must hear which, and ask again.
     pub(super) fn journal_is_new(&mut self) {
         self.owes_answer = true;
-        for debt in &mut self.debts {
-            *debt = Debt::new(debt.consumer);
+        for backlog in &mut self.backlogs {
+            *backlog = Backlog::new(backlog.consumer);
         }
     }
 
     /// Verdicts were written.
     pub(super) fn has_written(&mut self) {
-        self.debts.iter_mut().for_each(|debt| debt.has_more = true);
+        self.backlogs.iter_mut().for_each(|backlog| backlog.has_more = true);
     }
 
     /// Whether an account waits to be written.
     pub(super) fn is_pending(&self) -> bool {
-        self.debts.iter().any(|debt| debt.pending.is_some())
+        self.backlogs.iter().any(|backlog| backlog.pending.is_some())
     }
 
     /// Writes the accounts that wait.
     pub(super) fn keep(&mut self, journal: &mut Journal) -> Result<(), JournalError> {
-        for debt in &mut self.debts {
-            if let Some(account) = &debt.pending {
-                journal.keep(debt.consumer, account)?;
-                debt.pending = None;
+        for backlog in &mut self.backlogs {
+            if let Some(account) = &backlog.pending {
+                journal.keep(backlog.consumer, account)?;
+                backlog.pending = None;
             }
         }
         Ok(())
@@ -141,11 +141,11 @@ impl Delivery {
         if !self.owes_answer {
             return Ok(());
         }
-        for debt in &self.debts {
-            let (identity, account) = (journal.identity(), journal.account(debt.consumer)?);
+        for backlog in &self.backlogs {
+            let (identity, account) = (journal.identity(), journal.account(backlog.consumer)?);
             self.kept.send(cycle, |message| {
                 (message.journal, message.account) = (identity, account);
-                message.consumer = debt.consumer.code().into();
+                message.consumer = backlog.consumer.code().into();
             })?;
         }
         self.owes_answer = false;
@@ -154,17 +154,17 @@ impl Delivery {
 
     /// Sends each consumer the next rows that it asks for.
     pub(super) fn deliver(&mut self, journal: &Journal, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
-        for debt in &mut self.debts {
-            let Some((boot, asked)) = debt.asked.filter(|_| debt.has_more) else { continue };
-            let written = journal.rows_after(debt.sent_row, debt.room)?;
-            debt.has_more = written.len() == debt.room;
-            debt.room -= written.len();
+        for backlog in &mut self.backlogs {
+            let Some((boot, asked)) = backlog.asked.filter(|_| backlog.has_more) else { continue };
+            let written = journal.rows_after(backlog.sent_row, backlog.room)?;
+            backlog.has_more = written.len() == backlog.room;
+            backlog.room -= written.len();
             for row in written {
-                let before = std::mem::replace(&mut debt.sent_row, row.row);
+                let before = std::mem::replace(&mut backlog.sent_row, row.row);
                 self.rows.send(cycle, |message| {
                     (message.journal, message.row, message.before) = (journal.identity(), row.row, before);
                     (message.boot, message.asked, message.verdict) = (boot, asked, row.verdict);
-                    message.consumer = debt.consumer.code().into();
+                    message.consumer = backlog.consumer.code().into();
                 })?;
             }
         }
