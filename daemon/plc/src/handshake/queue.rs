@@ -11,14 +11,14 @@ pub const QUEUE: usize = WAITING_RESULTS;
 
 /// A result that the PLC is owed: its row and its number.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Owed {
+pub(super) struct PendingResult {
     pub(super) row: u64,
     pub(super) sequence: u32,
     /// `None` until the journal has sent the row again, after a restart.
     pub(super) result: Option<ResultBlock>,
 }
 
-impl Owed {
+impl PendingResult {
     /// As an account has it; `None` where there is none.
     pub(super) fn resume(row: u64, sequence: u32) -> Option<Self> {
         (sequence != 0).then_some(Self { row, sequence, result: None })
@@ -53,7 +53,7 @@ pub enum Taken {
 /// The queue.
 #[derive(Debug, Default)]
 pub(super) struct Queue {
-    waiting: VecDeque<Owed>,
+    waiting: VecDeque<PendingResult>,
     /// The newest row that was numbered, its number and its verdict.
     row: u64,
     sequence: u32,
@@ -69,7 +69,7 @@ impl Queue {
     pub(super) fn resume(account: &Account) -> Self {
         let waiting = account.waiting_rows.iter().zip(account.waiting_sequences);
         Self {
-            waiting: waiting.filter_map(|(row, sequence)| Owed::resume(*row, sequence)).collect(),
+            waiting: waiting.filter_map(|(row, sequence)| PendingResult::resume(*row, sequence)).collect(),
             row: account.row,
             sequence: account.sequence,
             newest: (account.seq != 0).then_some(MessageId { epoch: account.epoch, seq: account.seq }),
@@ -172,7 +172,7 @@ impl Queue {
         let sequence = self.advance(1);
         if self.waiting.len() < QUEUE {
             let result = Some(block(sequence, &row.verdict));
-            self.waiting.push_back(Owed { row: row.row, sequence, result });
+            self.waiting.push_back(PendingResult { row: row.row, sequence, result });
         } else {
             *lost += 1;
         }
@@ -180,7 +180,7 @@ impl Queue {
     }
 
     /// Takes the first result out.
-    pub(super) fn pop(&mut self) -> Option<Owed> {
+    pub(super) fn pop(&mut self) -> Option<PendingResult> {
         self.waiting.pop_front_if(|first| !first.is_missing())
     }
 

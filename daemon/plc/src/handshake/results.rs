@@ -16,7 +16,7 @@
 
 use shm_schemas::{Account, Journalled, MessageId};
 
-use super::queue::{Owed, Queue, Taken};
+use super::queue::{PendingResult, Queue, Taken};
 use crate::registers::ResultBlock;
 
 /// Where the result on the registers is in its life.
@@ -45,7 +45,7 @@ pub(super) enum Release {
 pub(super) struct Results {
     phase: Phase,
     queue: Queue,
-    shown: Option<Owed>,
+    shown: Option<PendingResult>,
     lost: u32,
     has_overrun: bool,
 }
@@ -53,7 +53,7 @@ pub(super) struct Results {
 impl Results {
     /// Goes on where the account ends.
     pub(super) fn resume(account: &Account, now_ns: u64) -> Self {
-        let shown = Owed::resume(account.shown_row, account.shown_sequence);
+        let shown = PendingResult::resume(account.shown_row, account.shown_sequence);
         let phase = match shown {
             None => Phase::Empty,
             Some(_) if account.is_acknowledged != 0 => Phase::Acknowledged,
