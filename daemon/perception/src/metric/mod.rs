@@ -151,7 +151,7 @@ impl Metric {
         let at = self.remembered.iter().position(|remembered| remembered.id == object.id);
         let before = at.map(|at| {
             let Remembered { camera_from_marker, seen_ns, .. } = self.remembered[at];
-            pose::Before { camera_from_marker, ago_ns: now_ns.saturating_sub(seen_ns) }
+            pose::PreviousPose { camera_from_marker, ago_ns: now_ns.saturating_sub(seen_ns) }
         });
         let Some(pose) = pose::choose(&candidates, patch.as_ref(), before.as_ref()) else { return Ok(None) };
         let now = Remembered { id: object.id, camera_from_marker: pose.camera_from_marker, seen_ns: now_ns };

@@ -51,7 +51,7 @@ pub(super) struct Pose {
 
 /// The pose of a moment ago.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Before {
+pub(super) struct PreviousPose {
     /// The pose.
     pub(super) camera_from_marker: Isometry3<f64>,
     /// How long ago it was, in nanoseconds.
@@ -78,7 +78,7 @@ pub(super) fn candidates(
 pub(super) fn choose(
     candidates: &[Candidate],
     patch: Option<&Patch>,
-    before: Option<&Before>,
+    before: Option<&PreviousPose>,
 ) -> Option<Pose> {
     let before = before.filter(|before| before.ago_ns <= REMEMBERED_NS);
     let mut ranked: Vec<(f64, &Candidate)> =
@@ -94,7 +94,7 @@ pub(super) fn choose(
 }
 
 /// Squared deviations in units of their standard deviations.
-fn cost(candidate: &Candidate, patch: Option<&Patch>, before: Option<&Before>) -> f64 {
+fn cost(candidate: &Candidate, patch: Option<&Patch>, before: Option<&PreviousPose>) -> f64 {
     let corners = 4.0 * (candidate.reprojection_px / CORNER_PX).powi(2);
     let normal = candidate.camera_from_marker.rotation * Vector3::z();
     let depth =

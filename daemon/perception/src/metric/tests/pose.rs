@@ -1,5 +1,5 @@
 use super::scene::{self, Rectangle, sampled};
-use crate::metric::pose::{Before, candidates, choose};
+use crate::metric::pose::{PreviousPose, candidates, choose};
 use crate::points::PixelPoint;
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
@@ -81,7 +81,7 @@ fn without_depth_the_pose_of_a_moment_ago_decides() {
         .map(|each| each.camera_from_marker)
         .max_by(|one, two| tilt_between(one, &pose).total_cmp(&tilt_between(two, &pose)));
     for wanted in [pose, other.unwrap()] {
-        let before = Before { camera_from_marker: wanted, ago_ns: 33_000_000 };
+        let before = PreviousPose { camera_from_marker: wanted, ago_ns: 33_000_000 };
         let chosen = choose(&found, None, Some(&before)).unwrap();
         assert!(tilt_between(&chosen.camera_from_marker, &wanted) < 8.0);
     }
@@ -92,7 +92,7 @@ fn a_pose_of_long_ago_decides_nothing() {
     let pose = marker(3.0, 0.7);
     let found = candidates(&noisy(&pose), SIDE, &scene::rig().colour).unwrap();
     let alone = choose(&found, None, None);
-    let before = Before { camera_from_marker: marker(40.0, 2.0), ago_ns: 600_000_000 };
+    let before = PreviousPose { camera_from_marker: marker(40.0, 2.0), ago_ns: 600_000_000 };
     assert_eq!(choose(&found, None, Some(&before)), alone);
 }
 
