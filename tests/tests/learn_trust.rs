@@ -220,7 +220,7 @@ fn an_iu_of_which_too_little_was_seen_is_not_learnt_and_named_with_its_run() {
     runs.push(named("p5", &half_seen));
     let (job, report) = teach(&runs, &options()).unwrap();
     let places: Vec<(&str, u16, usize)> =
-        report.blind.iter().map(|blind| (blind.run.as_str(), blind.activity, blind.iu)).collect();
+        report.occluded.iter().map(|of| (of.run.as_str(), of.activity, of.iu)).collect();
     assert_eq!(places, [("p5", 0, 1)], "{report}");
     assert_eq!(job.activities[0].ius[1].demonstrations, 4);
     assert!(report.to_string().contains("too little was seen of p5 in step 1, IU 2"), "{report}");
@@ -295,7 +295,7 @@ fn correct_runs_are_seldom_doubted_and_half_of_the_strokes_seldom_pass() {
         runs[4] = of_set(5, Flaw::J1);
         let report = taught(&runs);
         // What is left out or was not seen does no harm.
-        let is_learnt = report.disagreements.is_empty() && report.blind.iter().all(|blind| blind.run != "p5");
+        let is_learnt = report.disagreements.is_empty() && report.occluded.iter().all(|of| of.run != "p5");
         missed.push(report.is_trusted() && is_learnt);
     }
     Rate::of(doubted).expect_at_most(0.01, "correct sets doubted");

@@ -35,7 +35,7 @@ mod widened;
 pub use options::{TeachError, TeachOptions};
 pub use page::page;
 pub use report::TeachReport;
-pub use sequence::{Blind, Disagreement};
+pub use sequence::{Disagreement, Occluded};
 pub use statement::Statement;
 pub use threshold::Memory;
 pub use trust::{Doubt, Outlier};
@@ -232,7 +232,7 @@ impl<'a> Teaching<'a> {
         let learnt = Teacher::new(self, &mut memory).teach();
         self.memory = memory;
         (self.report.job.activities, self.report.ius) = learnt?;
-        self.report.blind = self.agreement.ius().flat_map(|iu| iu.blind.iter().cloned()).collect();
+        self.report.occluded = self.agreement.ius().flat_map(|iu| iu.occluded.iter().cloned()).collect();
         Ok(())
     }
 

@@ -3,7 +3,7 @@
 use super::kind::{MotionKind, is_on_the_way};
 use super::noticed::{self, what_more_would_bring};
 use super::order::OrderReport;
-use super::sequence::{Blind, Disagreement};
+use super::sequence::{Disagreement, Occluded};
 use super::statement::Statement;
 use super::threshold::{Learned, min_false_alarms};
 use super::trust::{Doubt, Outlier};
@@ -68,7 +68,7 @@ pub struct TeachReport {
     /// The runs that were left out, and why.
     pub disagreements: Vec<Disagreement>,
     /// What was not learnt because too little of it was seen.
-    pub blind: Vec<Blind>,
+    pub occluded: Vec<Occluded>,
     /// The names of the runs that a job taught with the others rejects; `None` if it was not tried.
     pub rejected: Option<Vec<String>>,
     /// What leaving one run out has shown, a sentence each; empty if it was not asked for.
@@ -92,7 +92,7 @@ impl TeachReport {
             runs: 0,
             doubts: Vec::new(),
             disagreements: Vec::new(),
-            blind: Vec::new(),
+            occluded: Vec::new(),
             rejected: None,
             left_out: Vec::new(),
             unsure: Vec::new(),
@@ -173,11 +173,11 @@ impl TeachReport {
     }
 
     fn not_seen(&self) -> Option<String> {
-        let place = |blind: &Blind| {
-            let what = self.words(blind.context);
-            format!("{} in step {}, IU {} ({what})", blind.run, blind.activity + 1, blind.iu + 1)
+        let place = |of: &Occluded| {
+            let what = self.words(of.context);
+            format!("{} in step {}, IU {} ({what})", of.run, of.activity + 1, of.iu + 1)
         };
-        let places: Vec<String> = self.blind.iter().map(place).collect();
+        let places: Vec<String> = self.occluded.iter().map(place).collect();
         (!places.is_empty())
             .then(|| format!("too little was seen of {}: not learnt from these", places.join(", ")))
     }

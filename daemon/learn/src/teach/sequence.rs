@@ -48,7 +48,7 @@ pub struct Disagreement {
 
 /// A demonstration of an IU of which too little was seen. It is not learnt from: what is missing would become part of the reference.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Blind {
+pub struct Occluded {
     /// The run's name.
     pub run: String,
     /// Index of the activity in the job, from 0.
@@ -85,7 +85,7 @@ pub(super) struct ShownIu {
     /// How many frames of the grid the hand worked in these.
     pub(super) frames: Vec<u32>,
     /// The demonstrations that are not learnt from.
-    pub(super) blind: Vec<Blind>,
+    pub(super) occluded: Vec<Occluded>,
 }
 
 impl ShownIu {
@@ -98,7 +98,7 @@ impl ShownIu {
         let iu = |[run, activity, iu]: [usize; 3]| &runs[run].activities[activity].ius[iu];
         let (shown, hidden): (Vec<_>, Vec<_>) =
             all.partition(|at| iu(*at).is_well_seen || iu(*at).context.is_release());
-        let blind = |at: [usize; 3]| Blind {
+        let occluded = |at: [usize; 3]| Occluded {
             run: runs[at[0]].name.clone(),
             activity: sequence.activity,
             iu: index,
@@ -109,7 +109,7 @@ impl ShownIu {
             context: sequence.contexts[index],
             kind: MotionKind::of(sequence.contexts[index], &measured),
             frames: shown.iter().map(|at| iu(*at).worked_frames()).collect(),
-            blind: hidden.into_iter().map(blind).collect(),
+            occluded: hidden.into_iter().map(occluded).collect(),
             shown,
             measured,
         }
@@ -505,7 +505,7 @@ mod tests {
         pub(in crate::teach) fn measuring(context: Context, measured: &[Measures], frames: &[u32]) -> Self {
             let kind = MotionKind::of(context, measured);
             let (measured, frames) = (measured.to_vec(), frames.to_vec());
-            Self { context, kind, shown: Vec::new(), measured, frames, blind: Vec::new() }
+            Self { context, kind, shown: Vec::new(), measured, frames, occluded: Vec::new() }
         }
     }
 

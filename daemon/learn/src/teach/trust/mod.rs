@@ -2,7 +2,7 @@
 //! be noticed here.
 //!
 //! A [`Doubt`] speaks against learning from the runs. It accuses nobody: it is a sentence with the figure and with what to do, and whoever
-//! knows better teaches all the same. What was not seen of a run ([`Blind`](super::Blind)) is not learnt, and the rest of the run is.
+//! knows better teaches all the same. What was not seen of a run ([`Occluded`](super::Occluded)) is not learnt, and the rest of the run is.
 
 mod order;
 mod outlier;
