@@ -3,7 +3,7 @@
 use crate::job_file::sequence_words;
 use crate::recording::object_name;
 use crate::run::Run;
-use crate::teach::{TeachOptions, as_shown_to_meet};
+use crate::teach::{TeachOptions, with_learned_contacts};
 use andon_core::config::Method;
 use std::fmt;
 
@@ -27,8 +27,9 @@ impl Seen {
     pub fn of(run: &Run, method: &Method) -> Self {
         // Where the station does not say where parts are touched, the run shows it.
         let options = TeachOptions::new(&run.name, "", *method);
-        let met =
-            as_shown_to_meet(std::slice::from_ref(run), &options).ok().and_then(|met| met.into_iter().next());
+        let met = with_learned_contacts(std::slice::from_ref(run), &options)
+            .ok()
+            .and_then(|met| met.into_iter().next());
         let activities = met.as_ref().map_or(&run.activities, |met| &met.activities);
         let frames = run.frames();
         let captured = |frame: Option<&andon_core::input::Frame>| frame.map_or(0, |frame| frame.captured_ns);

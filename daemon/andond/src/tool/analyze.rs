@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use andon_host::exit::Code;
 use andon_learn::teach::TeachOptions;
-use andon_study::analysis::{Analysis, Kind, Order, Report, as_shown_to_meet, report, selection};
+use andon_study::analysis::{Analysis, Kind, Order, Report, report, selection, with_learned_contacts};
 use andon_study::experiment::experiment_1;
 
 use super::experiment::{SEED, is_experiment_1, percent_bar};
@@ -20,7 +20,7 @@ pub fn run(arguments: &Analyze) -> Result<Code, ToolError> {
     let cost = TeachOptions::new("", "", method).cost;
     let bar = percent_bar("clustering");
     let mut progress = |done: f64| bar.set_position((100.0 * done) as u64);
-    let met = as_shown_to_meet(&all, &method)?;
+    let met = with_learned_contacts(&all, &method)?;
     // The first experiment compares six kinds of its own, and has drilling beside them; it is that of the paper, whose station says where
     // its objects are touched.
     let (analysis, drilling) = if is_experiment_1(&all) {

@@ -92,7 +92,7 @@ impl<'a> Fold<'a> {
     fn new(runs: &[&'a Run], index: usize, options: &'a TeachOptions) -> Option<Self> {
         let others = runs.iter().enumerate().filter(|(other, _)| *other != index);
         let mut others = Teaching::new(others.map(|(_, run)| (*run).clone()).collect(), options);
-        others.meet().ok()?;
+        others.find_contacts().ok()?;
         Some(Self { left_out: runs[index], others })
     }
 

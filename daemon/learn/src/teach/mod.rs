@@ -1,7 +1,7 @@
 //! Teaching: from a few correct runs of a whole job, without labels, to a job file (paper III-C, III-D, IV-B).
 //!
 //! [`teach`] lists the stages, and [`Teaching`] has a method for each: the runs go through them once, in this order. What asks for less runs a
-//! part of the same list: [`as_shown_to_meet`], [`teach_again`], and leaving one run out, which teaches with the others.
+//! part of the same list: [`with_learned_contacts`], [`teach_again`], and leaving one run out, which teaches with the others.
 //!
 //! Contexts give the nominal activities ([`Disagreement`] says where a run differs), DBA the reference of each IU, a
 //! [`ThresholdRule`](crate::rule::ThresholdRule) its threshold, and a [`BoundsRule`](crate::rule::BoundsRule) the bounds of duration and of the
@@ -60,7 +60,7 @@ pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachRepo
     options.check()?;
     let mut teaching = Teaching::new(runs.to_vec(), options);
     teaching.examine()?;
-    teaching.meet().map_err(|nothing| teaching.doubtful(nothing))?;
+    teaching.find_contacts().map_err(|nothing| teaching.doubtful(nothing))?;
     teaching.leave_one_out();
     teaching.learn().map_err(|nothing| teaching.doubtful(nothing))?;
     teaching.rate();
@@ -72,9 +72,9 @@ pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachRepo
 ///
 /// # Errors
 /// If the objects cannot be used.
-pub fn as_shown_to_meet(runs: &[Run], options: &TeachOptions) -> Result<Vec<Run>, TeachError> {
+pub fn with_learned_contacts(runs: &[Run], options: &TeachOptions) -> Result<Vec<Run>, TeachError> {
     let mut teaching = Teaching::new(runs.to_vec(), options);
-    teaching.meet()?;
+    teaching.find_contacts()?;
     Ok(teaching.runs)
 }
 
@@ -137,7 +137,7 @@ impl<'a> Teaching<'a> {
     }
 
     /// The stages that find where hands and objects meet, and what the runs then have in common.
-    fn meet(&mut self) -> Result<(), TeachError> {
+    fn find_contacts(&mut self) -> Result<(), TeachError> {
         if self.options.find_contact_regions {
             self.contact_regions()?;
             self.pairs()?;

@@ -5,7 +5,7 @@ use crate::folder::Labelled;
 use andon_core::config::Method;
 use andon_learn::job_file::JobFile;
 use andon_learn::run::Run;
-use andon_learn::teach::{Memory, TeachError, TeachOptions, as_shown_to_meet, teach_again};
+use andon_learn::teach::{Memory, TeachError, TeachOptions, teach_again, with_learned_contacts};
 
 /// The training executions of one round, with the filter and without it, where hands and objects meet as the recordings say and as the
 /// executions show it, as far as a variation needs that.
@@ -37,7 +37,7 @@ impl Encodings {
                 all.push(Encoding {
                     is_filtered,
                     finds_contact_regions: true,
-                    training: training.as_shown_to_meet()?,
+                    training: training.with_learned_contacts()?,
                 });
             }
             all.push(Encoding { is_filtered, finds_contact_regions: false, training });
@@ -67,8 +67,8 @@ impl Training {
     }
 
     /// The same executions where hands and objects meet as these show it.
-    fn as_shown_to_meet(&self) -> Result<Self, TeachError> {
-        let runs = as_shown_to_meet(&self.runs, &self.options())?;
+    fn with_learned_contacts(&self) -> Result<Self, TeachError> {
+        let runs = with_learned_contacts(&self.runs, &self.options())?;
         Ok(Self { method: self.method, runs, memory: Memory::default() })
     }
 

@@ -12,11 +12,11 @@ use andon_learn::teach::{self, TeachOptions};
 ///
 /// # Errors
 /// If the objects of all recordings are too many for one job.
-pub fn as_shown_to_meet(all: &[Labelled], method: &Method) -> Result<Vec<Labelled>, AnalysisError> {
+pub fn with_learned_contacts(all: &[Labelled], method: &Method) -> Result<Vec<Labelled>, AnalysisError> {
     let correct: Vec<Run> = runs(all, |one| one.what == CORRECT);
     let shown = if correct.is_empty() { runs(all, |_| true) } else { correct };
     let options = TeachOptions { measure_rate: false, ..TeachOptions::new("", "", *method) };
-    let met = teach::as_shown_to_meet(&shown, &options)?;
+    let met = teach::with_learned_contacts(&shown, &options)?;
     let objects: &[NamedObject] = met.first().map_or(&[], |run| &run.objects);
     all.iter().map(|one| Ok(Labelled { run: with(&one.run, objects)?, ..one.clone() })).collect()
 }
