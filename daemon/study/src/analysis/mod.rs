@@ -1,7 +1,7 @@
 //! Which IUs are alike, in motion and in context (paper III-C, IV-A).
 //!
-//! [`with_learned_contacts`] finds where hands and objects meet. A [`Kind`] says which IUs are compared, [`Analysis`] computes distances, clusters and barycentres, and [`report`] draws them.
-//! [`Order`] is the job that the recordings teach, drawn by [`draw_order`]. [`selection`] shows how candidates drop out while an activity is
+//! [`with_learned_contacts`] finds where hands and objects touch. A [`Kind`] says which IUs are compared, [`Analysis`] computes distances,
+//! clusters and barycentres, and [`report`] draws them. [`Order`] is the job that the recordings teach, drawn by [`draw_order`]. [`selection`] shows how candidates drop out while an activity is
 //! carried out (paper III-D).
 
 mod candidates;
