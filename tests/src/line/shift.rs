@@ -121,18 +121,19 @@ pub fn told_last(line: &Line) -> Option<Told> {
     newest.lines().rev().find_map(told_by)
 }
 
-/// `None` for a line that a kill has cut off.
+/// `None` for a line that a kill has cut off. Panics if a whole one lacks a name that `andon.st` retains.
 fn told_by(line: &str) -> Option<Told> {
     let line: serde_json::Value = serde_json::from_str(line).ok()?;
-    let retained = &line["retained"];
-    let words = retained["sentPart"].as_array()?.iter().filter_map(serde_json::Value::as_u64);
+    let retained = |name: &str| line["retained"].get(name).unwrap_or_else(|| panic!("no {name} in {line}"));
+    let number = |value: &serde_json::Value| value.as_u64().unwrap();
+    let words = retained("sentPart").as_array().unwrap().iter().map(number);
     let bytes: Vec<u8> = words.flat_map(|word| [(word >> 8) as u8, word as u8]).collect();
     Some(Told {
-        from_ns: line["at_ns"].as_u64()?,
-        part: String::from_utf8(bytes).ok()?.trim_end_matches('\0').to_owned(),
-        is_part_taken: retained["isPartSent"].as_bool()?,
-        job: u32::try_from(retained["sentJob"].as_u64()?).ok()?,
-        is_job_taken: retained["isJobSent"].as_bool()?,
+        from_ns: number(&line["at_ns"]),
+        part: String::from_utf8(bytes).unwrap().trim_end_matches('\0').to_owned(),
+        is_part_taken: retained("isPartSent").as_bool().unwrap(),
+        job: number(retained("sentJob")).try_into().unwrap(),
+        is_job_taken: retained("isJobSent").as_bool().unwrap(),
     })
 }
 
