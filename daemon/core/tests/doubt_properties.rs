@@ -14,11 +14,9 @@ use andon_core::job::{Job, LocalCost, MeasureBounds, NominalActivity, NominalIu}
 use andon_core::segment::{Event, JobSegmenter, Measures};
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use common::bench::{Bench, encode, shapes};
+use common::seed::with_known_and_drawn_seed;
 use common::work::IN_ORDER;
 use proptest::prelude::*;
-use proptest::test_runner::{RngSeed, TestRunner};
-use std::collections::hash_map::RandomState;
-use std::hash::BuildHasher;
 use std::sync::LazyLock;
 
 const TOOL: u16 = 5;
@@ -154,29 +152,8 @@ fn delete(
     kept.map(|(_, frame)| frame).collect()
 }
 
-/// The seed that has always been tried.
-const KNOWN: u64 = 1;
-
-/// Tries the property with half of the cases of [`KNOWN`] and half of a drawn seed; `PROPTEST_RNG_SEED` and `PROPTEST_CASES` choose others. The
-/// message of a failure has the seed.
-fn with_known_and_drawn_seed<S: Strategy>(
-    strategy: &S,
-    property: impl Fn(S::Value) -> Result<(), TestCaseError>,
-) {
-    let usual = ProptestConfig::default();
-    let drawn = match usual.rng_seed {
-        RngSeed::Fixed(chosen) => chosen,
-        RngSeed::Random => RandomState::new().hash_one(0) % 100_000,
-    };
-    for seed in [KNOWN, drawn] {
-        let rng_seed = RngSeed::Fixed(seed);
-        let cases = usual.cases.div_ceil(2);
-        let config = ProptestConfig { failure_persistence: None, rng_seed, cases, ..usual.clone() };
-        if let Err(failed) = TestRunner::new(config).run(strategy, &property) {
-            panic!("PROPTEST_RNG_SEED={seed}: {failed}");
-        }
-    }
-}
+/// How often each property is tried with each seed.
+const CASES: u32 = 128;
 
 #[test]
 fn the_whole_work_is_right() {
@@ -209,7 +186,7 @@ fn nothing_is_accused_for_what_was_not_seen() {
     let stretches = prop::collection::vec(stretch(), 0..4);
     let every = prop_oneof![4 => Just(1), 1 => 2..9usize];
     let from = prop_oneof![4 => Just(0), 1 => 0..400usize];
-    with_known_and_drawn_seed(&(stretches, every, from), |(stretches, every, from)| {
+    with_known_and_drawn_seed(CASES, &(stretches, every, from), |(stretches, every, from)| {
         let left = delete(work(), &stretches, every, from);
         let accused: Vec<Verdict> =
             judged(&left).into_iter().filter(|verdict| verdict.outcome == Outcome::Anomaly).collect();
@@ -223,7 +200,7 @@ fn nothing_is_accused_for_what_was_not_seen() {
 fn it_is_said_whether_frames_were_missing_or_did_not_show_the_work() {
     // A job that is seen from later on has no gap: there nobody knows what was before.
     let stretches = prop::collection::vec((1..work().len(), 1..120usize), 1..4);
-    with_known_and_drawn_seed(&stretches, |stretches| {
+    with_known_and_drawn_seed(CASES, &stretches, |stretches| {
         let missing = unjudged_reasons(Hidden::Frames, &stretches);
         let not_seen = [Reason::Blind, Reason::HandNotSeen, Reason::ObjectNotSeen];
         prop_assert!(!missing.iter().any(|reason| not_seen.contains(reason)), "{:?}", missing);

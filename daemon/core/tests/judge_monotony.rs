@@ -14,8 +14,8 @@ use andon_core::set::ActivitySet;
 use andon_core::verdict::{Outcome, Verdict};
 use common::bench::PERIOD_NS;
 use common::script::{Part, Still, Strokes, Toward, idle, part, short, stream, teach};
+use common::seed::with_known_and_drawn_seed;
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 
 /// The frames in which a change is believed, how many of them must be known for that, and how long what is not seen is assumed to go on.
 const PERSIST: usize = 5;
@@ -203,25 +203,16 @@ fn words(verdicts: &[Verdict]) -> Vec<String> {
     verdicts.iter().map(word).collect()
 }
 
-/// The suite has a seed of its own, so that it fails or passes always; `PROPTEST_RNG_SEED` and `PROPTEST_CASES` try others and more.
-fn config() -> ProptestConfig {
-    let (default, failure_persistence) = (ProptestConfig::default(), None);
-    let rng_seed = match default.rng_seed {
-        RngSeed::Random => RngSeed::Fixed(1),
-        chosen => chosen,
-    };
-    let cases = if std::env::var_os("PROPTEST_CASES").is_some() { default.cases } else { 10_000 };
-    ProptestConfig { failure_persistence, rng_seed, cases, ..default }
-}
+/// How often the property is tried with each seed.
+const CASES: u32 = 5_000;
 
-proptest! {
-    #![proptest_config(config())]
-
-    #[test]
-    fn no_verdict_on_right_work_becomes_an_anomaly_where_hands_are_not_seen(work in work(), gaps in gaps()) {
+#[test]
+fn no_verdict_on_right_work_becomes_an_anomaly_where_hands_are_not_seen() {
+    with_known_and_drawn_seed(CASES, &(work(), gaps()), |(work, gaps)| {
         let (job, couples) = (work.job(), seen(&work.couples()));
         let all_seen = work.judged(&job, &couples);
-        prop_assert!(all_seen.iter().all(|verdict| verdict.outcome != Outcome::Anomaly), "{:?}", words(&all_seen));
+        let is_right = all_seen.iter().all(|verdict| verdict.outcome != Outcome::Anomaly);
+        prop_assert!(is_right, "{:?}", words(&all_seen));
         // A judge that did not see the start assumes that the first step that it sees begins its piece: that one is seen.
         let acts = |couples: &Couples| couples.hands.iter().any(|couple| couple.context.is_touch());
         let first_touch = couples.iter().position(acts).unwrap();
@@ -231,5 +222,6 @@ proptest! {
         let verdicts = work.judged(&job, &hidden(&couples, &gaps));
         let accused = verdicts.iter().find(|verdict| verdict.outcome == Outcome::Anomaly);
         prop_assert!(accused.is_none(), "{:?}", words(&verdicts));
-    }
+        Ok(())
+    });
 }

@@ -3,4 +3,5 @@
 
 pub(crate) mod bench;
 pub(crate) mod script;
+pub(crate) mod seed;
 pub(crate) mod work;
