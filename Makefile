@@ -24,8 +24,8 @@ build: setup
 demo: build
 	target/release/andond demo --speed max
 
-# RealSense is on. With and without it the whole workspace is named: then the dependencies have the same features both times,
-# and only the three crates that have this feature are compiled twice.
+# RealSense is on. With and without it the whole workspace is named. Then the dependencies have the same features both times, and only the three
+# crates that have this feature are compiled twice.
 REALSENSE = --locked --workspace --features andon-video/realsense,andon-realsense/realsense,andon-tests/realsense $(OBJDETECT)
 
 lint:
@@ -56,8 +56,8 @@ test-times: test
 bench: setup test-packages line
 	python3 tests/benches/report.py
 
-# Kills, stops and restarts every role and the PLC's program at random, 1,000 kills, which a quiet machine does in half an hour; of a hundred
-# roles 99 must be back within 600 ms. SEED=n repeats a run. Writes target/chaos/report.json.
+# Kills, stops and restarts every role and the PLC's program at random, 1,000 kills, which a quiet machine does in half an hour. Of a hundred roles 99
+# must be back within 600 ms. SEED=n repeats a run. Writes target/chaos/report.json.
 SEED = $(shell shuf -i 1-99999 -n 1)
 chaos: line test-packages
 	target/release/chaos 1000 $(SEED) target/chaos/report.json 600
@@ -81,8 +81,8 @@ degraded-clips: setup test-packages line
 sight: setup test-packages line
 	target/release/perception_accuracy sight --seed $(SEED) tests/footage/p?_*.mp4
 
-# Deletes observations from correct recordings some 8,000 times, of one piece and of two, with and without an encoder that starts again:
-# nothing may be accused. SEED=n repeats a run; `make test` tries some 400.
+# Deletes observations from correct recordings some 8,000 times, of one piece and of two, with and without an encoder that starts again. Nothing may
+# be accused. SEED=n repeats a run; `make test` tries some 400.
 deletions: setup test-packages
 	cargo build $(REALSENSE) --all-targets
 	PROPTEST_RNG_SEED=$(SEED) PROPTEST_CASES=1000 cargo test $(REALSENSE) --test doubt_properties

@@ -11,11 +11,11 @@ wire! { "andon.HandCouple", 60;
         x_c: [u16; 4],
         /// Minimum distances from the hand to `o_j` and from `o_j` to `o_l` in metres; infinite without such a contact.
         distances_m: [f32; 2],
-        /// Where the hand acts in metres: `o_j` in the frame of `o_l`, or without `o_l` the finger tips on the bench; NaN where it was not seen.
+        /// Where the hand acts in metres: `o_j` in the frame of `o_l`, or without `o_l` the finger tips on the bench. NaN where it was not seen.
         position_m: [f32; 3],
         /// The finger tips on the bench in metres; NaN where they were neither seen nor assumed, or the hand does not act.
         tips_m: [f32; 3],
-        /// How far apart two positions of `o_j`, in the frame of `o_l` if there is one, may be by drift, in metres; 0 where that is not known.
+        /// How far apart two positions of `o_j`, in the frame of `o_l` if there is one, may be by drift, in metres. 0 where that is not known.
         drift_m: f32,
         /// `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]`; it means nothing where it was not measured.
         x_m: [i8; 7],
@@ -27,8 +27,8 @@ wire! { "andon.HandCouple", 60;
         waiting: u8,
         /// The object because of which the frame does not show what the hand does, as it is hidden; 0 where there is none.
         hidden_object: u16,
-        /// What was not seen, one bit for each: 0 a frame, 1 the context in the frame itself, 2 whether it has changed, 3 which object the hand took,
-        /// 4 `o_j` or `o_l` up to just before this began, 5 how one of them came to where this began.
+        /// What was not seen, one bit for each. 0 is a frame, 1 the context in the frame itself, 2 whether it has changed, and 3 which object the
+        /// hand took. 4 is `o_j` or `o_l` up to just before this began, 5 how one of them came to where this began.
         unseen: u16,
     }
 }
@@ -46,8 +46,8 @@ wire! { "andon.Couples", 272;
         model_hash: u64,
         /// Bits of [`crate::flag`]: `END_OF_STREAM` (the couples then mean nothing), `PACED`.
         flags: u32,
-        /// What was not seen, one bit for each: 0 a frame at this instant, 6 who has moved an object that lies elsewhere than before, 7 the hand that
-        /// carries an object which moves, 8 any object, or one that lay in sight when a hand was seen last, or since.
+        /// What was not seen, one bit for each. 0 is a frame at this instant and 6 who has moved an object that lies elsewhere than before. 7 is the
+        /// hand that carries an object which moves. 8 is any object, or one that lay in sight when a hand was seen last, or since.
         unseen: u32,
         /// The ids of the objects that are followed, ascending, then 0; in the sets below there is one bit for each, in this order.
         objects: [u16; 32],

@@ -4,7 +4,7 @@ use crate::layout::wire;
 use crate::stamp::{Stamp, message};
 use crate::{HANDS, OBJECTS};
 
-/// Landmarks of a hand, in the order of MediaPipe: 0 is the wrist; 8, 12 and 16 are the tips of index, middle and ring finger.
+/// Landmarks of a hand, in the order of MediaPipe: 0 is the wrist. 8, 12 and 16 are the tips of index, middle and ring finger.
 pub const LANDMARKS: usize = 21;
 
 wire! { "andon.HandDetection", 428;

@@ -19,9 +19,9 @@
 //!
 //! # Two clocks
 //!
-//! [`Stamp::captured_ns`] and [`Stamp::sent_ns`] are CLOCK_MONOTONIC, for latencies. The method computes with
-//! *source time* (`source_ns`, `began_ns`, ...): of a live camera that is CLOCK_MONOTONIC as well, of a
-//! recording the time since its first frame, so that a replay at any speed gives the same verdicts.
+//! [`Stamp::captured_ns`] and [`Stamp::sent_ns`] are CLOCK_MONOTONIC, for latencies. The method computes with *source time* (`source_ns`, `began_ns`,
+//! ...). Of a live camera that is CLOCK_MONOTONIC as well, of a recording the time since its first frame. So a replay at any speed gives the same
+//! verdicts.
 #![no_std]
 
 mod account;

@@ -187,7 +187,7 @@ wire! { "andon.Verdict", 192;
         shown_min: f32,
         /// The maximum that was shown; NaN when none is.
         shown_max: f32,
-        /// For how long the hand or object was not seen, in all, or no frame came, at most, in seconds; NaN where that is not the reason.
+        /// For how long the hand or object was not seen, in all, or no frame came, at most, in seconds. NaN where that is not the reason.
         missing_s: f32,
         /// Context of the IU, `x_c`; of its first IU for an activity; zero for a job.
         x_c: [u16; 4],
@@ -219,7 +219,7 @@ wire! { "andon.Verdict", 192;
         part: PartId,
         /// How many of a hundred frames of the IU were captured; [`NO_PERCENT`] where that says nothing.
         captured_percent: u8,
-        /// In how many of a hundred frames of the IU the hand and each object that it acts on were seen; [`NO_PERCENT`] where that says nothing.
+        /// In how many of a hundred frames of the IU the hand and each object that it acts on were seen. [`NO_PERCENT`] where that says nothing.
         seen_percent: u8,
         /// How many of a hundred frames came of what the verdict depends on; [`NO_PERCENT`] where that is not the reason.
         missing_percent: u8,

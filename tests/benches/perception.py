@@ -30,8 +30,8 @@ PEERS = ["mediapipe==0.10.21", "onnxruntime==1.31.1"]
 # Minimum frames per second by size and hands, and minimum ratio to the peer with one hand in the smallest size.
 MIN_RATE_HZ = {("640x480", 1): 110, ("1280x720", 1): 80, ("640x480", 2): 70}
 MIN_RATIO = 2.5
-# The line and the peer take turns so many times where a ratio must be reached, and once elsewhere: a shared machine gives its cores more
-# or less from one run to the next, which moves a single ratio by a tenth. The pair in the middle counts.
+# The line and the peer take turns so many times where a ratio must be reached, and once elsewhere. A shared machine gives its cores more or less from
+# one run to the next, which moves a single ratio by a tenth. The pair in the middle counts.
 PAIRS = 5
 RATIO_OF = ("640x480", 1)
 # Maxima for the same at the rate of a camera.

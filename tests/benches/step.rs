@@ -1,8 +1,8 @@
 //! One whole step of the core, from a frame to its verdicts. Prints p50 and p99 and writes `target/bench/step.json` for `report.py`.
 //!
-//! Both hands carry an object to another one and back at the same time, and 32 objects are visible in every frame. The job has 20 nominal
-//! activities. In `job` each of them has objects of its own. In `alike` the ten of each hand have the same objects, and all of them remain
-//! candidates to the end, so that no step of a job of this size can have more to do.
+//! Both hands carry an object to another one and back at the same time, and 32 objects are visible in every frame. The job has 20 nominal activities.
+//! In `job` each of them has objects of its own. In `alike` the ten of each hand have the same objects, and all of them remain candidates to the end.
+//! So no step of a job of this size can have more to do.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use andon_core::anomaly::Judge;

@@ -32,8 +32,8 @@ SPECKLE_SHARE = 0.01
 # MediaPipe's bones, as pairs of landmarks; the palm's outline too.
 BONES = [(0, 1), (1, 2), (2, 3), (3, 4), (0, 5), (5, 6), (6, 7), (7, 8), (5, 9), (9, 10), (10, 11), (11, 12), (9, 13)]
 BONES += [(13, 14), (14, 15), (15, 16), (13, 17), (0, 17), (17, 18), (18, 19), (19, 20), (0, 9), (0, 13)]
-# Half the thickness of a hand at each landmark, in metres: wrist 20, knuckles 13, middle joints 9, last joints 8, tips 7
-# millimetres (means of adult hands; persons differ by some 15 %).
+# Half the thickness of a hand at each landmark, in metres (means of adult hands; persons differ by some 15 %). Wrist 20, knuckles 13, middle joints
+# 9, last joints 8, tips 7 millimetres.
 WRIST, KNUCKLE, MIDDLE, LAST, TIP = 0.020, 0.013, 0.009, 0.008, 0.007
 RADII = [WRIST, 0.016, KNUCKLE, 0.010, 0.009] + [KNUCKLE, MIDDLE, LAST, TIP] * 4
 FOREARM_M = 0.25

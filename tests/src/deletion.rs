@@ -75,8 +75,8 @@ impl Deletion {
         }
     }
 
-    /// What is left of a recording. Its last second stays, or its last frame where frames are lost: the end of a recording is the end of the
-    /// work, and what is missing then is missing.
+    /// What is left of a recording. Its last second stays, or its last frame where frames are lost. The end of a recording is the end of the work,
+    /// and what is missing then is missing.
     #[must_use]
     pub fn of(self, recording: &Recording, random: &mut Random) -> Recording {
         let mut left = recording.clone();

@@ -40,7 +40,7 @@ pub fn seed() -> u64 {
 
 /// A seed that has always been tried, and the drawn one.
 ///
-/// The first one tells whether a change has broken what held before. The second one finds what no run has tried yet: its failure is a fault as well,
+/// The first one tells whether a change has broken what held before. The second one finds what no run has tried yet. Its failure is a fault as well,
 /// and `ANDON_SEED` shows whether it is an old one.
 pub fn known_and_drawn(known: u64) -> [u64; 2] {
     [known, seed()]

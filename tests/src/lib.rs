@@ -24,8 +24,8 @@
 //!
 //! What may differ from one draw to another is a rate, and its test a bar under it, see [`rate`]. The draw is that of [`environment::seed`], another
 //! one in each run of `make test`, which prints it: `ANDON_SEED=n PROPTEST_RNG_SEED=n make test` repeats it. What must never be, such as an
-//! accusation for what was not seen, is tried with a known seed and the drawn one, and fails with the first case of either. Such a failure is a
-//! fault to be mended, also where an older version has it; it is no reason to draw again.
+//! accusation for what was not seen, is tried with a known seed and the drawn one. It fails with the first case of either. Such a failure is a fault
+//! to be mended, also where an older version has it; it is no reason to draw again.
 #![forbid(unsafe_code)]
 
 pub mod deletion;

@@ -1,10 +1,9 @@
 //! Whether a count contradicts the rate that is wanted.
 //!
-//! A test that works by chance draws other people, errors or deletions in each run. A floor under the count that one draw has reached
-//! would guard that draw alone, and fail with others by chance. So a bar states the rate that is wanted. It fails only where the count
-//! contradicts that rate: where the rate would give so few, or so many, in less than one of [`DRAWS_PER_FALSE_ALARM`] draws.
-//! That is the exact test of a binomial count, the same as whether the one-sided interval of the counted rate (Clopper and Pearson, 99.9 %)
-//! misses the wanted one.
+//! A test that works by chance draws other people, errors or deletions in each run. A floor under the count that one draw has reached would guard
+//! that draw alone, and fail with others by chance. So a bar states the rate that is wanted. It fails only where the count contradicts that rate.
+//! That is where the rate would give so few, or so many, in less than one of [`DRAWS_PER_FALSE_ALARM`] draws. That is the exact test of a binomial
+//! count. It is the same as whether the one-sided interval of the counted rate (Clopper and Pearson, 99.9 %) misses the wanted one.
 //!
 //! A bar takes its cases for independent. Those of one taught job are not quite, so that a bar states a rate with some room below what was
 //! measured, see `tests/MEASUREMENTS.md`. A small sample contradicts only large faults: more cases see smaller ones.
@@ -12,7 +11,7 @@
 use std::fmt;
 
 /// A bar fails by chance in no more than one of this many draws, where the true rate is the wanted one. A suite of thirty such bars is then red by
-/// chance in one of thirty runs at the worst, and hardly ever where the true rates are better than the wanted ones.
+/// chance in one of thirty runs at the worst. It hardly ever is where the true rates are better than the wanted ones.
 pub const DRAWS_PER_FALSE_ALARM: f64 = 1000.0;
 
 /// The quantile of the normal distribution of a two-sided interval of 95 %.

@@ -88,7 +88,7 @@ fn a_connection_that_has_no_size_yet_is_removed_with_the_dead() {
     assert!(!bench.shared_files().contains(&beside));
 }
 
-/// This is what a steward leaves that is killed just after it has named the shared part of a service, or that of the whole station.
+/// This is what a steward leaves that is killed just after it has named a shared part. It is that of a service, or that of the whole station.
 #[test]
 fn shared_memory_that_a_killed_steward_has_not_given_a_size_is_made_anew_while_a_member_stays() {
     let bench = Bench::new("sizeless");

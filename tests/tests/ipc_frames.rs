@@ -42,8 +42,8 @@ fn run(frames: u64, writer_mode: &str, reader_copies: u64) -> Run {
     Run { frames_per_s, measured, writer_allocations, reader_allocations }
 }
 
-/// The reader finds the pixels of each frame in the same byte of the same file where the writer put them, and
-/// our code allocates nothing in either process: there is no second place where they could have been in between.
+/// The reader finds the pixels of each frame in the same byte of the same file where the writer put them. Our code allocates nothing in either
+/// process. There is no second place where they could have been in between.
 #[test]
 fn ten_thousand_frames_are_read_where_they_were_written_without_an_allocation() {
     let run = run(10_000, "paced", 0);

@@ -98,9 +98,9 @@ fn replayed(recording: &Recording) -> Vec<[String; 3]> {
     lines.lines().map(verdict).collect()
 }
 
-/// A name that is wrong for less than `blind_ms` changes nothing. One that lasts is believed, and then it is said that the other hand worked, or
-/// not judged, unless what was seen of the parts alone shows that nothing was wrong: a right piece is not accused for it, and one with strokes
-/// left out is not right.
+/// A name that is wrong for less than `blind_ms` changes nothing. One that lasts is believed, and then it is said that the other hand worked, or not
+/// judged. It is right only where what was seen of the parts alone shows that nothing was wrong. A right piece is not accused for it, and one with
+/// strokes left out is not right.
 #[test]
 fn a_hand_that_is_called_the_other_one_is_the_same_hand_until_the_name_has_lasted() {
     for (clip, is_right) in [("p1_none_r1", true), ("p2_J1_r1", false)] {

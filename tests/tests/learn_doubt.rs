@@ -36,7 +36,7 @@ fn taught(seed: u64) -> JobFile {
     teach(&runs, &TeachOptions::new("polish and measure", "", Method::default())).unwrap().0
 }
 
-/// As many runs of each of these people, of the first whose runs are all right by themselves: one that is accused although all of it was seen says
+/// As many runs of each of these people, of the first whose runs are all right by themselves. One that is accused although all of it was seen says
 /// nothing about what comes before or after it.
 fn right_runs(job: &JobFile, seed: u64, people: usize, runs: u64) -> Vec<(u64, Vec<Recording>)> {
     let shown = (6..26).map(|person| {

@@ -1,4 +1,5 @@
-//! What is right stays right, or is not judged, where a part is never seen, hidden between two pieces or misread, and where couples are missing.
+//! What is right stays right, or is not judged, whatever is missing. A part is never seen, hidden between two pieces or misread, or couples are
+//! missing.
 #![allow(clippy::unwrap_used)]
 
 #[path = "learn_vmci/capture.rs"]
@@ -183,7 +184,7 @@ fn encode_that_starts_again_in_the_middle_of_a_step_accuses_nobody() {
     assert!(found.is_empty(), "{} of {of}: {found:?}", found.len());
 }
 
-/// What is read as something else for one to six frames: a marker somewhere else, two markers as each other, or the two hands as each other.
+/// What is read as something else for one to six frames. It is a marker somewhere else, two markers as each other, or the two hands as each other.
 fn misread(whole: &Recording, random: &mut Random) -> Recording {
     let mut left = whole.clone();
     let ids: Vec<u16> = whole.header.objects.iter().map(|object| object.shape.id).collect();

@@ -1,7 +1,7 @@
 //! Work of two hands by feel: each of ten runs of one person is judged by the job that the nine others teach.
 //!
-//! The people are drawn. `ANDON_SEED` chooses them, `ANDON_SETS` how many sets of ten runs, by turns of each work, and `ANDON_BOXES=1` a camera that sees boxes
-//! instead of motion capture. `-- --nocapture` prints the table.
+//! The people are drawn. `ANDON_SEED` chooses them, and `ANDON_SETS` how many sets of ten runs, by turns of each work. `ANDON_BOXES=1` takes a camera
+//! that sees boxes instead of motion capture. `-- --nocapture` prints the table.
 #![allow(clippy::unwrap_used)]
 
 use andon_core::config::Method;

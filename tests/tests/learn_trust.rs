@@ -1,4 +1,4 @@
-//! Teach defends itself: runs that cannot be trusted are named with the figure and with what to do, and runs that can be are not doubted.
+//! Teach defends itself. Runs that cannot be trusted are named with the figure and with what to do, and runs that can be are not doubted.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_core::config::Method;

@@ -19,8 +19,8 @@ use andon_tests::station::without_points;
 /// The share of the right jobs of others that must be accepted: five people do not show how all others move.
 const MIN_ACCEPTED: f64 = 0.9;
 
-/// The share of the faults of others that must be found where less is known: not every part lies where nothing else does, nor is held where
-/// others hold it.
+/// The share of the faults of others that must be found where less is known. Not every part lies where nothing else does, nor is held where others
+/// hold it.
 const MIN_FOUND: f64 = 0.8;
 
 /// The same at the workshop's bench, where tools lie side by side. Each of a draw's three jobs finds nearly all faults or half of them.
@@ -29,7 +29,7 @@ const MIN_FOUND_AT_WORKSHOP: f64 = 0.65;
 /// The share of the faults of others that may be called right.
 const MAX_CALLED_RIGHT: f64 = 0.02;
 
-/// The same where all is seen inexactly. The cases of one draw are not independent: a job that was taught too leniently calls all six of its faults
+/// The same where all is seen inexactly. The cases of one draw are not independent. A job that was taught too leniently calls all six of its faults
 /// right, so that these bars have room for one such job.
 const MIN_ACCEPTED_INEXACT: f64 = 0.85;
 const MAX_CALLED_RIGHT_INEXACT: f64 = 0.05;

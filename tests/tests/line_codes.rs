@@ -1,6 +1,6 @@
-//! The codes of ordinary operation: each is logged by the role that the index of the codes leads a technician to, when a line
-//! does what the code means. The codes of faults are in `line_faults`, those of what cannot be seen in `line_visibility`, and those of inputs
-//! that no worker gives in `line_stand_in`.
+//! The codes of ordinary operation. Each is logged by the role that the index of the codes leads a technician to, when a line does what the code
+//! means. The codes of faults are in `line_faults`, those of what cannot be seen in `line_visibility`, and those of inputs that no worker gives in
+//! `line_stand_in`.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_tests::line::{Line, Modbus, Settings};

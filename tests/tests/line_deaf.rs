@@ -1,8 +1,8 @@
-//! A connection that fails once leaves no role deaf: the failure is injected into every connection that a role of the line makes, of
-//! messages and of events, one after the other, so on every channel and at both of its ends.
+//! A connection that fails once leaves no role deaf. The failure is injected into every connection that a role of the line makes, of messages and of
+//! events, one after the other. So every channel has it at both of its ends.
 //!
-//! `tests/ipc_deaf.rs` does the same to single ports; here the roles themselves must come through, and the journal and the PLC must have
-//! every verdict, or a gap that stands for it.
+//! `tests/ipc_deaf.rs` does the same to single ports. Here the roles themselves must come through, and the journal and the PLC must have every
+//! verdict, or a gap that stands for it.
 //!
 //! This is the short form: of about a hundred calls of each role it lets every seventh fail. `make deaf` lets every one fail.
 #![allow(clippy::unwrap_used, clippy::panic)]
@@ -71,7 +71,7 @@ impl Bench {
         Self { line, watcher, plc, shim }
     }
 
-    /// Starts a role again whose call number `fails` fails. The name of the file, if there was such a call, and how long the line took to be
+    /// Starts a role again whose call number `fails` fails. The name of the file, if there was such a call. It has also how long the line took to be
     /// whole again, counted from the role's first sign of work or its second start.
     fn inject(&mut self, role: &'static str, fails: usize) -> Option<(String, Duration)> {
         let note = self.line.path("note");
@@ -113,7 +113,7 @@ impl Bench {
         }
     }
 
-    /// Waits until all roles run, the PLC sees the line ready, and what the judge has sent since is in the journal and at the PLC.
+    /// Waits until all roles run and the PLC sees the line ready. What the judge has sent since must be in the journal and at the PLC.
     fn until_whole(&mut self, role: &'static str, fails: usize) {
         let what = |line: &Line, what: &str, watcher: &Watcher| {
             let health = watcher.describe_health();

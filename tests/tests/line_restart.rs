@@ -1,5 +1,5 @@
-//! Phase: after a restart of any role in the middle of a job, after `enable` was off, after a late start, and where jobs follow each other without
-//! a pause, the next correct piece is right and nobody is accused.
+//! After every phase the next correct piece is right and nobody is accused. Phases are a restart of any role in the middle of a job, `enable` off,
+//! and a late start. Jobs also follow each other without a pause.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_learn::recording::{self, Recording};

@@ -1,5 +1,5 @@
-//! What the line knows not to have seen is neither right nor an anomaly, on whichever way a result leaves it, nor is anything learnt from it: one
-//! row for each state of not watching, one check for each way out.
+//! What the line knows not to have seen is neither right nor an anomaly, on whichever way a result leaves it. Nothing is learnt from it either. There
+//! is one row for each state of not watching, and one check for each way out.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_ipc::Reader;
@@ -86,8 +86,8 @@ fn check_down(role: &'static str, goes_down: impl Fn(&mut Line), comes_back: imp
     assert_nothing_rests_on(&spans, unseen_s);
 }
 
-/// The time in the film of the newest frame in which was looked for something, in seconds, if there is a new one; infinite at its end, which a
-/// slow machine may reach without many frames.
+/// The time in the film of the newest frame in which was looked for something, in seconds, if there is a new one. Infinite at its end, which a slow
+/// machine may reach without many frames.
 fn newest_detected(detections: &mut Reader<Detections>) -> Option<f64> {
     let mut newest_s = None;
     while let Some(found) = detections.take().unwrap() {
@@ -253,7 +253,7 @@ fn replayed(line: &Line) -> Vec<Span> {
         .collect()
 }
 
-/// Teaches a job by the line's film and by films of which all was seen: the IU that was not seen is learnt from these alone.
+/// Teaches a job by the line's film and by films of which all was seen. The IU that was not seen is learnt from these alone.
 fn assert_nothing_is_learnt_of_it(line: &Line) {
     // What is in them is the same for every row, and a film takes long.
     static TRACKS: OnceLock<Vec<Vec<u8>>> = OnceLock::new();

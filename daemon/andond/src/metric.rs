@@ -46,8 +46,8 @@ impl Placer {
         Ok(Some(Self { calibration: calibration(config)?, objects: marker_objects(config), placed: None }))
     }
 
-    /// The scene of a frame, in the frame of the bench: that of the calibration, or without one that of the plane which
-    /// the first depth picture shows. `None` while no frame with depth has come.
+    /// The scene of a frame, in the frame of the bench. That is the one of the calibration, or without one that of the plane which the first depth
+    /// picture shows. `None` while no frame with depth has come.
     ///
     /// # Errors
     /// [`PlaceError`], with what to do.

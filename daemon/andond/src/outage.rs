@@ -64,7 +64,7 @@ impl Outages {
             return None;
         }
         let (start, now) = (health.stamp.epoch, MonotonicTime::sent(&health.stamp));
-        // Messages of two starts are in no order between them: the last words of the old one may come after the first of the new one.
+        // Messages of two starts are in no order between them. The last words of the old one may come after the first of the new one.
         if watched.alive.is_some_and(|(_, newest)| now < newest) {
             return None;
         }

@@ -1,8 +1,8 @@
 //! What writes down what a line has seen, below roles and tools, so that both can use it: track files, frame by frame.
 //!
-//! A recorder takes what comes from a channel and knows neither the channel nor the clock. A role gives it each message in its turn, a tool in
-//! its loop, and both finish it. A writer of another kind, as one that keeps pictures, is a module beside this one with the same three
-//! steps: begin in an open file, write, finish.
+//! A recorder takes what comes from a channel and knows neither the channel nor the clock. A role gives it each message in its turn, a tool in its
+//! loop, and both finish it. A writer of another kind, as one that keeps pictures, is a module beside this one.
+//! It has the same three steps: begin in an open file, write, finish.
 
 use std::fs::File;
 use std::io::{self, BufWriter};

@@ -66,7 +66,7 @@ pub struct Recording {
     duplicates: Vec<DuplicateMarker>,
 }
 
-/// A marker that was in view twice: its part counts as not seen in these frames, because nobody knows which of the two lies on it.
+/// A marker that was in view twice. Its part counts as not seen in these frames, because nobody knows which of the two lies on it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DuplicateMarker {
     /// The marker and the part.

@@ -85,8 +85,8 @@ pub fn code(sight: Sight) -> Option<&'static Code> {
     })
 }
 
-/// How many pictures per second are processed, how many come, and how many the job needs, as far as that is known: to follow the meaning of the
-/// code for too few.
+/// How many pictures per second are processed, how many come, and how many the job needs, as far as that is known. It follows the meaning of the code
+/// for too few.
 pub fn rates(processed_hz: f32, expected_hz: Option<f32>, needed_hz: Option<f32>) -> String {
     let expected = expected_hz.map(|expected_hz| format!(" of {expected_hz:.1}")).unwrap_or_default();
     let needed = needed_hz.map(|needed_hz| format!(", and the job needs {needed_hz:.1}")).unwrap_or_default();

@@ -14,7 +14,7 @@ const PART: u16 = 6;
 
 const RATE_HZ: f32 = 30.0;
 
-/// One frame: where the finger tips of the right hand are on the x axis, if it is seen, and where the tool and the part are.
+/// One frame: where the finger tips of the right hand are on the x axis, if it is seen. It also has where the tool and the part are.
 type Scene = (Option<f32>, f32, f32);
 
 fn frame(index: usize, (hand, tool, part): Scene) -> Frame {

@@ -1,6 +1,6 @@
 //! The tools on the shipped clips, against their truth and against what a person can see in them.
 //!
-//! The shipped job was taught from the repetitions 1 to 3 of person 1 and 1 and 2 of person 2: every clip that is judged here was kept back from it,
+//! The shipped job was taught from the repetitions 1 to 3 of person 1 and 1 and 2 of person 2. Every clip that is judged here was kept back from it,
 //! except where a test says so.
 #![allow(clippy::unwrap_used)]
 

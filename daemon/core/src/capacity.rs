@@ -6,7 +6,7 @@ pub const HANDS: usize = 2;
 /// Objects in one frame: as many as fit on a bench of 1.5 m with a marker each. The paper's largest scene has 6.
 pub const OBJECTS: usize = 32;
 
-/// Objects of which it is said at the same time that their markers are in view twice: more on one bench is a sheet of spare prints.
+/// Objects of which it is said at the same time that their markers are in view twice. More on one bench is a sheet of spare prints.
 pub const TWINS: usize = 5;
 
 /// Interaction points of one object: a few grasp frames and working surfaces (paper III-A.1).
@@ -31,7 +31,7 @@ pub const PERSIST_FRAMES: usize = 15;
 /// Longest window of the opening-closing filter: one second at 30 Hz, longer than any stroke that should pass it.
 pub const FILTER_FRAMES: usize = 31;
 
-/// Nominal IUs with which an IU of one hand is compared at the same time, where the memory for the comparisons lies inside the
-/// judge: variants of one activity, and activities that begin with the same object. For both hands together this takes 170 kB,
-/// which fits the stack of any thread, copies included.
+/// Nominal IUs with which an IU of one hand is compared at the same time, where the memory for the comparisons lies inside the judge. They are
+/// variants of one activity, and activities that begin with the same object. For both hands together this takes 170 kB, which fits the stack of any
+/// thread, copies included.
 pub const COMPARISONS: usize = 4;

@@ -57,8 +57,8 @@ impl Default for Method {
             space: Space::Plane,
             rate_hz: 30.0,
             bins: 8,
-            // A fingertip pad is 1 cm from its landmark, a grasp frame stands for about 4 cm of handle, and a
-            // top view adds 1 cm of parallax: 3 cm is half of their sum.
+            // A fingertip pad is 1 cm from its landmark, and a grasp frame stands for about 4 cm of handle. A top view adds 1 cm of parallax. 3 cm is
+            // half of their sum.
             hand_contact: Contact { on_m: 0.030, off_m: 0.045 },
             object_contact: Contact { on_m: 0.030, off_m: 0.045 },
             persist_frames: 5,

@@ -12,10 +12,10 @@ use crate::set::ActivitySet;
 /// How two motion features are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LocalCost {
-    /// As in the paper (IV-A): every feature is a number, divided by the length of its range so that all lie in `[0, 1]`, and the cost is
-    /// the squared Euclidean distance. A direction is one of the N + 1 numbers 0 to N, the acceleration one of 3, joint motion one of 2: a
-    /// direction that is one bin off counts 1/N² of a joint motion that has ended. The opening-closing filter, which the paper
-    /// applies after this, takes minima and maxima only, so that it makes no difference which of the two comes first.
+    /// As in the paper (IV-A). Every feature is a number, divided by the length of its range so that all lie in `[0, 1]`. The cost is the squared
+    /// Euclidean distance. A direction is one of the N + 1 numbers 0 to N, the acceleration one of 3, joint motion one of 2. A direction that is one
+    /// bin off counts 1/N² of a joint motion that has ended. The opening-closing filter, which the paper applies after this, takes minima and maxima
+    /// only. So it makes no difference which of the two comes first.
     Normalised {
         /// N, the number of direction bins around the circle.
         bins: u8,
@@ -164,13 +164,13 @@ pub struct Law {
     pub usually_after: ActivitySet,
     /// Whether a job without it is not complete. What is optional accuses nobody where it is missing.
     pub is_required: bool,
-    /// The indices of the nominal activities that do only a part of what was shown: where one of them comes, a job without this activity is not
+    /// The indices of the nominal activities that do only a part of what was shown. Where one of them comes, a job without this activity is not
     /// complete either.
     pub completes: ActivitySet,
     /// Whether it must not come a second time; otherwise that is a note.
     pub is_once: bool,
-    /// Whether IUs in any other context of the job's objects may come before, between and after those of its nominal activities, because the runs
-    /// have only these in common. The hand may let go of the first object and take it again.
+    /// Whether IUs in any other context of the job's objects may come before, between and after those of its nominal activities. It is so because the
+    /// runs have only these in common. The hand may let go of the first object and take it again.
     pub allows_insertions: bool,
     /// How many of the runs that were shown have it.
     pub runs: u16,
@@ -208,17 +208,16 @@ pub struct Job<'a> {
     pub passive_contacts: &'a [u16],
     /// How motions are compared.
     pub cost: LocalCost,
-    /// Maximum of [`slowdown_factor`], at least 1. A DTW distance grows with the number of frames, and a slower motion has less
-    /// acceleration and more rest, so that each of its frames is farther from the reference too. 1 leaves the thresholds as they
-    /// are, as in the paper.
+    /// Maximum of [`slowdown_factor`], at least 1. A DTW distance grows with the number of frames. A slower motion has less acceleration and more
+    /// rest, so that each of its frames is farther from the reference too. 1 leaves the thresholds as they are, as in the paper.
     pub max_slowdown: f32,
-    /// Whether a frame [`at_rest`](Motion::at_rest) was put before and after each motion of a touch from which the references were learnt, and is
-    /// put before and after each that is judged: then a rest at either end of an IU costs nothing. It still counts as time. An IU of two
-    /// parts may also have ended in one of the five frames before its last one. In the paper a rest costs as much as any other motion, and every
-    /// frame belongs to the motion.
+    /// Whether a frame [`at_rest`](Motion::at_rest) was put before and after each motion of a touch from which the references were learnt. It is then
+    /// put before and after each that is judged, and a rest at either end of an IU costs nothing. It still counts as time. An IU of two parts may
+    /// also have ended in one of the five frames before its last one. In the paper a rest costs as much as any other motion, and every frame belongs
+    /// to the motion.
     pub has_free_ends: bool,
-    /// The share of the frames of the grid that must have been captured during an IU for it to be judged, 0 to 1: with fewer, the motion that
-    /// was shown would not be recognised. 0 asks for nothing.
+    /// The share of the frames of the grid that must have been captured during an IU for it to be judged, 0 to 1. With fewer, the motion that was
+    /// shown would not be recognised. 0 asks for nothing.
     pub min_captured: f32,
 }
 
@@ -245,8 +244,8 @@ impl Job<'_> {
         self.activities.iter().map(|nominal| usize::from(nominal.activity)).collect()
     }
 
-    /// The first activity whose number is too high, or whose law names one that the job does not have, or that can never come because laws put
-    /// it behind itself.
+    /// The first activity whose number is too high, or whose law names one that the job does not have. It may also be one that can never come because
+    /// laws put it behind itself.
     pub fn misplaced(&self) -> Option<u16> {
         let all = self.numbers();
         let may_come = |came: ActivitySet| -> ActivitySet {
@@ -258,8 +257,8 @@ impl Job<'_> {
     }
 }
 
-/// The factor by which the threshold of an IU of this many frames grows: its length as a multiple of that of its reference, limited to
-/// the range from 1 to `max_slowdown`.
+/// The factor by which the threshold of an IU of this many frames grows. It is its length as a multiple of that of its reference, limited to the
+/// range from 1 to `max_slowdown`.
 pub fn slowdown_factor(frames: u32, reference: usize, max_slowdown: f32) -> f32 {
     (frames as f32 / reference.max(1) as f32).clamp(1.0, max_slowdown.max(1.0))
 }

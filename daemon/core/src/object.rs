@@ -19,13 +19,13 @@ pub struct ObjectShape {
     /// Where and how near the runs of a job have shown it to be met. What is not here is met at its interaction points, as near as
     /// [`Method`](crate::config::Method) says.
     pub meetings: Vec<Meeting, MEETINGS>,
-    /// The ids of the objects with which it has no contact, however near they come: the runs of the job agree only without it, as where both
-    /// are at a third object. It is enough if one of the two names the other.
+    /// The ids of the objects with which it has no contact, however near they come. The runs of the job agree only without it, as where both are at a
+    /// third object. It is enough if one of the two names the other.
     pub incidental: Vec<u16, OBJECTS>,
     /// Its orientation means nothing, as that of a round part, and counts as that of the bench.
     pub is_position_only: bool,
-    /// Where its position is in metres in the bench frame, in plane mode without z, at the beginning of a job, if the runs of the job have shown
-    /// it to lie there and nowhere near it afterwards.
+    /// Where its position is in metres in the bench frame at the beginning of a job, in plane mode without z. It is known if the runs of the job have
+    /// shown it to lie there and nowhere near it afterwards.
     pub start: Option<Around<3>>,
 }
 

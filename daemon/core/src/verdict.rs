@@ -179,8 +179,8 @@ pub struct Verdict {
     pub seen_percent: Option<u8>,
     /// Why it was not judged, with figures.
     pub missing: Missing,
-    /// The measure that is out of its bounds: why an IU is wrong, or would be if what was not seen of it had no other explanation. An
-    /// activity and a job have that of the IU for which they are wrong.
+    /// The measure that is out of its bounds. Why an IU is wrong, or would be if what was not seen of it had no other explanation. An activity and a
+    /// job have that of the IU for which they are wrong.
     pub measured: Option<Measured>,
     /// The relation that was broken, where that is why an activity or a job is wrong.
     pub broken: Option<BrokenOrder>,

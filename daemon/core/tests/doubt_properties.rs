@@ -1,6 +1,6 @@
-//! Whatever observations are deleted from a correct job, none of its verdicts becomes an anomaly. Only its last second is always seen:
-//! the end of the recording is the end of the job. And each object is seen in the first frame: one that has never been seen is not
-//! expected anywhere, because a station may have objects that lie on its bench for other jobs only.
+//! Whatever observations are deleted from a correct job, none of its verdicts becomes an anomaly. Only its last second is always seen: the end of the
+//! recording is the end of the job. And each object is seen in the first frame. One that has never been seen is not expected anywhere, because a
+//! station may have objects that lie on its bench for other jobs only.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;
@@ -165,7 +165,7 @@ fn the_whole_work_is_right() {
     assert_eq!(jobs, [Outcome::Ok]);
 }
 
-/// The hand lets go of the polisher and takes the brick while nothing is seen; the brick is hidden for a moment longer than the polisher.
+/// The hand lets go of the polisher and takes the brick while nothing is seen. The brick is hidden for a moment longer than the polisher.
 #[test]
 fn a_hand_that_took_a_part_unseen_is_not_said_to_have_taken_it_late() {
     let left = delete(work(), &[(Hidden::Objects, 208, 117), (Hidden::Object(6), 323, 3)], 1, 0);

@@ -149,8 +149,8 @@ fn a_hand_that_passes_by_touches_nothing() {
     assert!(just_contexts(&couples, Side::Right).is_empty());
 }
 
-/// A tool is carried from 20 cm away to this distance from the box, which is between the two of a contact, and on from there after a rest of
-/// some frames. Contexts of the hand.
+/// A tool is carried from 20 cm away to this distance from the box, which is between the two of a contact. After a rest of some frames it is carried
+/// on from there. Contexts of the hand.
 fn brought_near(distance_m: f32, rest: usize) -> Vec<[u16; 4]> {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.2, 0.0])]);
     bench.hand(Side::Right, [0.0, 0.0]).hold(Side::Right, TOOL).rest(10);

@@ -1,4 +1,5 @@
-//! What a judge says that did not see what came before: of what the bench shows, of what may be the remainder of something, and of the job after it.
+//! What a judge says that did not see what came before. It speaks of what the bench shows, of what may be the remainder of something, and of the job
+//! after it.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;

@@ -261,7 +261,7 @@ fn assume(couples: &mut [Couples], what: usize) {
     }
 }
 
-/// A piece that is polished with half the strokes. While the hand takes the polisher, something is hidden; `is_object_ambiguous` is whether the hand
+/// A piece that is polished with half the strokes. While the hand takes the polisher, something is hidden. `is_object_ambiguous` is whether the hand
 /// may have taken that instead, for as long as it holds what it took.
 fn taken_in_doubt(is_object_ambiguous: bool) -> Vec<String> {
     let right = [vec![idle(20)], polish(3).to_vec(), measure().to_vec()].concat();

@@ -168,8 +168,8 @@ fn a_job_that_does_not_know_what_was_shown_names_no_measure() {
     assert_eq!(measured(&job, &[polish(3), measure()].concat()), []);
 }
 
-/// The lateral deviation of the way of the right hand with the brick away from the meter. It is at it for 20 frames, in the first 10 of which it goes round in
-/// half a circle of 10 cm, and then rests.
+/// The lateral deviation of the way of the right hand with the brick away from the meter. It is at it for 20 frames. In the first 10 it goes round in
+/// half a circle of 10 cm, and then it rests.
 fn lateral_away_m(is_known_to_touch: bool) -> f32 {
     let parts =
         [part([1, 6, 0, 0], 30, Toward(5)), part([1, 6, 6, 3], 20, Still), part([1, 6, 0, 0], 10, Still)];

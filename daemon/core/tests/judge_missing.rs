@@ -25,7 +25,7 @@ fn couples_that_are_missing_accuse_nobody() {
     }
 }
 
-/// Whether hand and part move together is read from a few frames around each, so one that is missing may let a contact seem to end later.
+/// Whether hand and part move together is read from a few frames around each. So one that is missing may let a contact seem to end later.
 #[test]
 fn a_step_is_not_too_short_where_a_frame_shortly_before_it_was_missing() {
     let before: usize = polish(6).iter().map(|part| part.frames).sum();

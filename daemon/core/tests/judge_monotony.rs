@@ -1,7 +1,7 @@
 //! Less observation only widens what may have happened: however little is seen of right work, no verdict on it becomes an anomaly.
 //!
 //! The couples are those of an encoder that does not see a hand in some frames. A context is believed once it was seen in three of the five frames
-//! from its beginning on; meanwhile, and while nothing is seen, the one before goes on.
+//! from its beginning on. Meanwhile, and while nothing is seen, the one before goes on.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;
@@ -17,7 +17,7 @@ use common::script::{Part, Still, Strokes, Toward, idle, part, short, stream, te
 use common::seed::with_known_and_drawn_seed;
 use proptest::prelude::*;
 
-/// The frames in which a change is believed, how many of them must be known for that, and how long what is not seen is assumed to go on.
+/// The frames in which a change is believed, and how many of them must be known for that. The last is how long what is not seen is assumed to go on.
 const PERSIST: usize = 5;
 const KNOWN: usize = 3;
 const BLIND: usize = 21;

@@ -1,4 +1,4 @@
-//! The order of a job is a partial one: what breaks a law is an anomaly that names it, and what was only not shown before is a note.
+//! The order of a job is a partial one. What breaks a law is an anomaly that names it, and what was only not shown before is a note.
 #![allow(clippy::unwrap_used)]
 
 mod common;

@@ -45,8 +45,7 @@ fn job_with(has_free_ends: bool) -> Job<'static> {
     if has_free_ends { with_free_ends(job()) } else { job() }
 }
 
-/// The motions of an IU as they are compared: with free ends, that of two parts may have ended in one of the five frames before the
-/// last one.
+/// The motions of an IU as they are compared. With free ends, that of two parts may have ended in one of the five frames before the last one.
 fn compared(motions: Vec<Motion>, context: Context, job: &Job<'_>) -> Vec<Vec<Motion>> {
     if !job.has_free_ends {
         return vec![motions];

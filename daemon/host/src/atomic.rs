@@ -23,7 +23,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// Writes several files in place of those before them: all, or none where the system refuses one of them.
 ///
 /// # Errors
-/// The file that cannot be written, and what the system says; the files before them are untouched then, except where a disk fails while finished
+/// The file that cannot be written, and what the system says. The files before them are untouched then, except where a disk fails while finished
 /// files are given their names.
 pub fn write_together<'a>(files: &[(&'a Path, &[u8])]) -> Result<(), (&'a Path, io::Error)> {
     let mut finished = Vec::new();

@@ -47,8 +47,8 @@ pub fn is_reader_gone(failure: &(dyn Error + 'static)) -> bool {
     false
 }
 
-/// Makes a panic in any thread end the process with [`Code::Panic`] and one line in the log: a role that went on with one
-/// thread less would look healthy and judge nothing.
+/// Makes a panic in any thread end the process with [`Code::Panic`] and one line in the log. A role that went on with one thread less would look
+/// healthy and judge nothing.
 pub fn exit_on_panic() {
     std::panic::set_hook(Box::new(|panic| {
         let location = panic.location().map(ToString::to_string).unwrap_or_default();

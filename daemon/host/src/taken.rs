@@ -1,5 +1,5 @@
-//! The configuration that all roles of a running line share. It is taken once, when the line starts: a role that is started again
-//! while somebody edits the files goes on with what the others have.
+//! The configuration that all roles of a running line share. It is taken once, when the line starts. A role that is started again while somebody
+//! edits the files goes on with what the others have.
 //!
 //! A role that crashes while somebody edits must not run with half of an edit. The steward keeps the copy, and its orderly stop ends it.
 

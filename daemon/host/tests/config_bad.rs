@@ -1,5 +1,5 @@
-//! Every bad configuration in `config_bad/` with its exact messages: `NAME.toml` is read over `base/station.toml`
-//! (alone where its name begins with `alone`), and `NAME.expected` holds its messages.
+//! Every bad configuration in `config_bad/` with its exact messages. `NAME.toml` is read over `base/station.toml` (alone where its name begins with
+//! `alone`), and `NAME.expected` holds its messages.
 
 #![allow(clippy::unwrap_used)]
 

@@ -69,7 +69,7 @@ fn station() -> (Config, Station, Steward, tempfile::TempDir) {
     (config, station, steward, folder)
 }
 
-/// A role with a steady input that leaves with its first message and goes on in a second session, as the judge does with another job.
+/// A role with a steady input that leaves with its first message. It goes on in a second session, as the judge does with another job.
 struct Sessions {
     verdicts: Reader<Verdict>,
     has_left: bool,

@@ -95,8 +95,7 @@ impl Channel {
             Self::Kept => {
                 Qos { buffer: 16, history: 0, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 1 }
             }
-            // What is lost is asked for again, so this only has to hold what the journal sends between two looks of a consumer:
-            // 32 rows for each.
+            // What is lost is asked for again. So this only has to hold what the journal sends between two looks of a consumer: 32 rows for each.
             Self::Journalled => {
                 Qos { buffer: 128, history: 0, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 31 }
             }
@@ -142,8 +141,8 @@ pub struct Qos {
     pub readers: usize,
     /// Maximum number of writers.
     pub writers: usize,
-    /// Messages that a writer may fill at the same time. For `frame` as many as one reader keeps in use (5 waiting, 2 borrowed, 1 being
-    /// filled), because [`crate::FrameWriter::warm_up`] touches them all before the first frame.
+    /// Messages that a writer may fill at the same time. For `frame` it is as many as one reader keeps in use (5 waiting, 2 borrowed, 1 being
+    /// filled). [`crate::FrameWriter::warm_up`] touches them all before the first frame.
     pub loans: usize,
     /// Messages that a paced writer sends before it waits for its readers: at most half of `buffer`, for the reason in `pace`.
     pub burst: usize,

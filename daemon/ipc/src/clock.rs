@@ -1,4 +1,4 @@
-//! The clocks of the wire, each with a type of its own, so that a time of one is never taken for a time of another.
+//! The clocks of the wire, each with a type of its own. So a time of one is never taken for a time of another.
 //!
 //! Messages carry all of them as plain nanoseconds (`sent_ns`, `source_ns`, `decided_utc_ns`): wire types hold numbers only.
 

@@ -1,9 +1,9 @@
 //! Connections that could not be made.
 //!
-//! iceoryx2 0.10.0 tries once to connect a reader with a writer, and again only when the list of readers or writers changes. Where that
-//! one try fails, as when a process has no file descriptor left for a moment, the two stay deaf to each other, in silence. Each
-//! port therefore has an alarm that iceoryx2 raises. Then the list is changed: a reader is recreated, and a writer, which must keep its
-//! history and its other readers, lets a reader come and go.
+//! iceoryx2 0.10.0 tries once to connect a reader with a writer, and again only when the list of readers or writers changes. Where that one try
+//! fails, the two stay deaf to each other, in silence. It does where a process has no file descriptor left for a moment. Each port therefore has an
+//! alarm that iceoryx2 raises. Then the list is changed. A reader is recreated, and a writer, which must keep its history and its other readers, lets
+//! a reader come and go.
 
 use crate::service::{Header, Payload, PublishSubscribe, Services};
 use crate::station::Transport;

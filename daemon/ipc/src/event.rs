@@ -1,7 +1,7 @@
 //! What ports tell each other besides the messages.
 //!
-//! A channel has two event services, so that nobody is woken by an event for somebody else: *forward* from the writer to its readers,
-//! *back* from the readers to the writer.
+//! A channel has two event services, so that nobody is woken by an event for somebody else. *Forward* leads from the writer to its readers, *back*
+//! from the readers to the writer.
 
 use crate::channel::Channel;
 use crate::error::Error;
@@ -37,10 +37,10 @@ pub(crate) fn caught_up_by(id: usize) -> Option<RoleId> {
 
 /// Hands every event that has come to `on_event`, and looks again until a look finds none.
 ///
-/// The last look matters: iceoryx2 0.10.0 sends one datagram for any number of events and remembers that it did. When an event
-/// comes in the middle of a look, the look may take its datagram while the memory of it stays; `poll` would then sleep
-/// through every further event. A look that finds nothing has also reset that memory. With several notifiers one
-/// interleaving is left in which it has not; because of it, waits look again after `wait::LOOK_AGAIN`.
+/// The last look matters: iceoryx2 0.10.0 sends one datagram for any number of events and remembers that it did. When an event comes in the middle of
+/// a look, the look may take its datagram while the memory of it stays. `poll` would then sleep through every further event. A look that finds
+/// nothing has also reset that memory. With several notifiers one interleaving is left in which it has not; because of it, waits look again after
+/// `wait::LOOK_AGAIN`.
 pub(crate) fn drain(
     listener: &Listener<Transport>,
     channel: Channel,

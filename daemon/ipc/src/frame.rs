@@ -49,8 +49,8 @@ impl FrameWriter {
         Ok(Self { publication, max_bytes })
     }
 
-    /// Touches the memory that frames of this size will use, so that the first ones are not late: the kernel clears
-    /// a page at its first use, which takes 3 to 5 ms per frame.
+    /// Touches the memory that frames of this size will use, so that the first ones are not late. The kernel clears a page at its first use, which
+    /// takes 3 to 5 ms per frame.
     ///
     /// # Errors
     /// As [`FrameWriter::loan`].
@@ -85,8 +85,7 @@ impl FrameWriter {
         }
         let sample = self.publication.publisher().loan_slice_uninit(bytes);
         let sample = sample.map_err(|e| self.publication.error("loaning", e))?;
-        // SAFETY: the bytes belong to a mapped file, so each has a value whether or not this program has written it, and every
-        // value is a valid u8.
+        // SAFETY: the bytes belong to a mapped file. So each has a value whether or not this program has written it, and every value is a valid u8.
         #[allow(unsafe_code)]
         let sample = unsafe { sample.assume_init() };
         Ok(FrameLoan(sample))

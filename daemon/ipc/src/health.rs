@@ -13,8 +13,8 @@ const MAX_STEP_US: u64 = 60_000_000;
 
 /// Counts what a role does and sends it on the channel `health`.
 ///
-/// [`Heartbeat::beat`] belongs in the data loop, after every wait, whatever ended the wait: then a loop that stands still falls
-/// silent, whereas a timer thread would go on. Waits must not be longer than [`Heartbeat::PERIOD`].
+/// [`Heartbeat::beat`] belongs in the data loop, after every wait, whatever ended the wait. Then a loop that stands still falls silent, whereas a
+/// timer thread would go on. Waits must not be longer than [`Heartbeat::PERIOD`].
 #[derive(Debug)]
 pub struct Heartbeat {
     writer: Writer<Health>,

@@ -106,8 +106,8 @@ fn remove(config: &Config, view: DeadNodeView<Transport>) -> bool {
     })
 }
 
-/// Removes what a steward was making when it was killed. Only the one steward may call this, before it makes anything: nobody else makes
-/// services, and what all processes share besides is a counter, which may begin again.
+/// Removes what a steward was making when it was killed. Only the one steward may call this, before it makes anything. Nobody else makes services,
+/// and what all processes share besides is a counter, which may begin again.
 pub(crate) fn remove_unsized_services(config: &Config) {
     let made = [config.global.service.dynamic_config_storage_suffix, config.global.node.global_mgmt_suffix];
     let made = made.map(|suffix| suffix.to_string());
@@ -180,10 +180,9 @@ pub(crate) fn remove_incomplete(
 /// Removes a service without a shared part.
 #[allow(unsafe_code)]
 fn force_remove(node: &IceNode<Transport>, name: &ServiceName, pattern: MessagingPattern) {
-    // SAFETY: no other process may use the service. Every process that uses one has opened its shared part and is registered in it,
-    // and the shared part is removed only when nobody is registered any more. So nobody uses this service, whose shared part was
-    // just seen to be missing or unfinished. Nobody begins to use it now either: only a steward completes or creates a service,
-    // this process holds the lock of the one steward, and it creates nothing until this call returns.
-    // What cannot be removed now is tried again by the next attempt to create the channel.
+    // SAFETY: no other process may use the service. Every process that uses one has opened its shared part and is registered in it. The shared part
+    // is removed only when nobody is registered any more. So nobody uses this service, whose shared part was just seen to be missing or unfinished.
+    // Nobody begins to use it now either, because only a steward completes or creates a service. This process holds the lock of the one steward, and
+    // it creates nothing until this call returns. What cannot be removed now is tried again by the next attempt to create the channel.
     let _ = unsafe { node.force_remove_service(name, pattern) };
 }

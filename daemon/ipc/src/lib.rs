@@ -33,8 +33,8 @@
 //! # }
 //! ```
 //!
-//! The data path of one message: [`Writer::loan`] gives a place in shared memory, the caller fills it there,
-//! [`Writer::send`] numbers it and wakes the readers, [`Reader::take`] lends the same place to each of them.
+//! The data path of one message. [`Writer::loan`] gives a place in shared memory, and the caller fills it there. [`Writer::send`] numbers it and
+//! wakes the readers, and [`Reader::take`] lends the same place to each of them.
 //!
 //! What can go wrong with other processes, and who notices it how:
 //!

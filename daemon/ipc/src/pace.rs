@@ -1,8 +1,8 @@
 //! Sending as fast as the readers read, without a loss (`--speed max`).
 //!
-//! A paced writer sends at most a *burst* of W messages, then waits until each reader that it follows has said
-//! `caught up`: "my queue was empty just now". A reader says so every time it finds its queue empty after it has taken
-//! something, when it comes up, and when it hears that a writer came up.
+//! A paced writer sends at most a *burst* of W messages. Then it waits until each reader that it follows has said `caught up`: its queue was empty
+//! just now. A reader says so every time it finds its queue empty after it has taken something. It also says so when it comes up, and when it hears
+//! that a writer came up.
 //!
 //! Events are not messages: an event may be old. Nothing is lost all the same, because:
 //!
@@ -12,13 +12,12 @@
 //! 3. When the writer goes on after burst k, at most the W messages of burst k are in the queue; it then adds W.
 //!    At most 2 W are ever in the queue, and 2 W <= buffer, so it never overflows. (`Qos::burst`; a test checks it.)
 //!
-//! It never hangs: after the last message of a burst is sent, the reader takes it and then finds its queue
-//! empty, after step 1 of this burst. That event is still to come, or it has come and counts. An event that is raised in the
-//! middle of a burst only lets the writer go on earlier, within 3. A reader that dies says nothing: the writer's wait
-//! ends at its deadline, and the reader's successor says `caught up` when it comes up.
+//! It never hangs. After the last message of a burst is sent, the reader takes it and then finds its queue empty, after step 1 of this burst. That
+//! event is still to come, or it has come and counts. An event that is raised in the middle of a burst only lets the writer go on earlier, within 3.
+//! A reader that dies says nothing: the writer's wait ends at its deadline, and the reader's successor says `caught up` when it comes up.
 //!
-//! Each stage of the line paces its own channel, so a slow journal holds back the judge, the judge holds back encode,
-//! and in the end the recording waits. Live sources are never paced: a stuck reader must not stop the line.
+//! Each stage of the line paces its own channel. So a slow journal holds back the judge, the judge holds back encode, and in the end the recording
+//! waits. Live sources are never paced: a stuck reader must not stop the line.
 
 use shm_schemas::RoleId;
 
@@ -125,8 +124,8 @@ mod tests {
         assert!(pace.may_begin());
     }
 
-    /// Explores the worst that asynchronous events can do: a writer, a reader with a queue, and events that the writer sees late, in
-    /// every interleaving of their steps up to a depth. The queue must never exceed the buffer.
+    /// Explores the worst that asynchronous events can do, with a writer, a reader with a queue, and events that the writer sees late. It tries every
+    /// interleaving of their steps up to a depth. The queue must never exceed the buffer.
     #[test]
     fn no_interleaving_of_writer_and_reader_overflows_two_bursts() {
         const BURST: usize = 2;

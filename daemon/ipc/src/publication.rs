@@ -134,8 +134,8 @@ struct Outbound {
     looked: Instant,
 }
 
-/// The listener of [`Outbound`], which must exist before the publisher: a reader that comes up after that one has looked for readers is
-/// heard, and after the listener the notifier, whose coming readers answer at once.
+/// The listener of [`Outbound`], which must exist before the publisher. A reader that comes up after that one has looked for readers is heard. After
+/// the listener comes the notifier, whose coming readers answer at once.
 fn listen<M>(services: &Services<M>, channel: Channel) -> Result<Listener<Transport>, Attempt> {
     let listener = services.back.listener_builder().create();
     listener.map_err(|e| Attempt::Failed(Error::transport(channel, "creating a listener", e)))

@@ -12,8 +12,8 @@ use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::{Path as StdPath, PathBuf};
 use std::time::Duration;
 
-/// Maximum length of a root: the kernel allows 107 bytes for the path of a socket, and iceoryx2 appends up to 46 for prefix, id and
-/// suffix; two remain.
+/// Maximum length of a root. The kernel allows 107 bytes for the path of a socket, and iceoryx2 appends up to 46 for prefix, id and suffix. Two
+/// remain.
 const MAX_ROOT_BYTES: usize = 59;
 
 /// Where Linux keeps shared memory.
@@ -29,8 +29,8 @@ const MANAGEMENT_BYTES: u64 = 16 << 20;
 /// was killed never finishes.
 const CREATION_TIMEOUT: Duration = Duration::from_millis(300);
 
-/// iceoryx2's transport between processes, in the variant whose ports may be handed to another thread: a C program may open its
-/// reader in one thread and read in another. The variant for one thread would save an uncontended lock per call.
+/// iceoryx2's transport between processes, in the variant whose ports may be handed to another thread. A C program may open its reader in one thread
+/// and read in another. The variant for one thread would save an uncontended lock per call.
 pub(crate) type Transport = ipc_threadsafe::Service;
 
 /// The name and the directory of a station. Making one opens nothing.

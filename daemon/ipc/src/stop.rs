@@ -11,8 +11,8 @@ use std::time::{Duration, Instant};
 
 /// Whether a stop was requested. Clones share one answer, and a request cannot be taken back.
 ///
-/// It is a socket that becomes readable, not a flag: a wait would sleep through a signal that arrives after it looked at the flag
-/// and before it blocks.
+/// It is a socket that becomes readable, not a flag. A wait would sleep through a signal that arrives after it looked at the flag and before it
+/// blocks.
 #[derive(Clone, Debug)]
 pub struct Stop(Arc<Pair>);
 

@@ -11,8 +11,8 @@ use std::time::{Duration, Instant};
 /// Maximum number of ports in one wait. No role has more than its input, its output, commands and health.
 const MAX_PORTS: usize = 8;
 
-/// A wait that has blocked for this long looks at its ports again. It finds nothing unless two notifiers of one listener met in
-/// the one interleaving that `event::drain` cannot repair; then a message is late by this much, once, instead of lost.
+/// A wait that has blocked for this long looks at its ports again. It finds nothing unless two notifiers of one listener met in the one interleaving
+/// that `event::drain` cannot repair. Then a message is late by this much, once, instead of lost.
 pub(crate) const LOOK_AGAIN: Duration = Duration::from_millis(250);
 
 /// Why a wait ended.

@@ -32,8 +32,8 @@ pub struct History {
     path: PathBuf,
 }
 
-/// Verdicts and the rest in one order: a gap stands before the verdict that revealed it, and a time without sight before the first
-/// verdict after its begin.
+/// Verdicts and the rest in one order. A gap stands before the verdict that revealed it, and a time without sight before the first verdict after its
+/// begin.
 const QUERY: &str = "
     SELECT entry.*, verdict.* FROM (
         SELECT id AS position, 2 AS rank, NULL AS utc_ns, NULL AS why, NULL AS gap_epoch, NULL AS first, NULL AS last
@@ -110,7 +110,7 @@ impl History {
         Ok(out.flush()?)
     }
 
-    /// Writes a copy of the whole journal as it is at this moment, also while it is being written, to a file that does not exist.
+    /// Writes a copy of the whole journal as it is at this moment to a file that does not exist. The journal may be written meanwhile.
     ///
     /// # Errors
     /// [`JournalError`] of the database, or why the copy cannot be written.

@@ -6,9 +6,9 @@
 //! [`Journal::flush`] returns. `NORMAL` would be faster, but would lose commits of which the PLC has already been told. A commit costs
 //! one sync of a few kilobytes, and a bench produces a few verdicts per second.
 //!
-//! A missing verdict is recorded as a gap: each jump in `seq` and each restart of the judge is a row of its own, written in the same
-//! transaction as the verdict that revealed it. A verdict that cannot be written now (disk full, database locked) is queued in memory.
-//! When the queue is full, the oldest is dropped and becomes a gap like any other.
+//! A missing verdict is recorded as a gap. Each jump in `seq` and each restart of the judge is a row of its own. It is written in the same
+//! transaction as the verdict that revealed it. A verdict that cannot be written now (disk full, database locked) is queued in memory. When the queue
+//! is full, the oldest is dropped and becomes a gap like any other.
 #![forbid(unsafe_code)]
 
 mod account;
@@ -105,8 +105,8 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Opens the database as [`Journal::open`] does. A damaged one, and a file that is no database, is put aside under a name with the
-    /// time, a new one begins, and a gap stands for what was in the old one. Returns the name, if there is one.
+    /// Opens the database as [`Journal::open`] does. A damaged one, and a file that is no database, is put aside under a name with the time. A new
+    /// one begins, and a gap stands for what was in the old one. Returns the name, if there is one.
     ///
     /// # Errors
     /// As [`Journal::open`], and where the file cannot be renamed.

@@ -1,8 +1,8 @@
 //! How long verdicts are kept.
 //!
-//! What a consumer has not acknowledged is not removed for its age. It is removed for its size all the same: a consumer that is away for
-//! good must not fill the disk. Then the oldest rows go first, the consumer finds them missing between the rows that it has and the next
-//! one, and the journal counts them.
+//! What a consumer has not acknowledged is not removed for its age. It is removed for its size all the same: a consumer that is away for good must
+//! not fill the disk. Then the oldest rows go first. The consumer finds them missing between the rows that it has and the next one, and the journal
+//! counts them.
 
 use rusqlite::{Connection, TransactionBehavior, params};
 use shm_schemas::RoleId;

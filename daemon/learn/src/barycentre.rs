@@ -1,9 +1,9 @@
 //! DBA: the DTW barycentre of motions (Petitjean et al. 2011), on integer features.
 //!
-//! Each round aligns every sequence with the barycentre, and then gives each frame of the barycentre the best motion for all frames that are
-//! aligned with it. "Best" is exact: feature by feature, it is the integer in range with the smallest sum of local costs (ties go to the
-//! smallest integer). For `ordinal` features that is the rounded mean; for directions under `circular` it is the bin, or rest, with the
-//! smallest sum of squared chords. A barycentre is therefore a motion that could be observed, and its row in a job file is readable.
+//! Each round aligns every sequence with the barycentre. It then gives each frame of the barycentre the best motion for all frames that are aligned
+//! with it. "Best" is exact: feature by feature, it is the integer in range with the smallest sum of local costs (ties go to the smallest integer).
+//! For `ordinal` features that is the rounded mean; for directions under `circular` it is the bin, or rest, with the smallest sum of squared chords.
+//! A barycentre is therefore a motion that could be observed, and its row in a job file is readable.
 
 use crate::warp::{DistanceMatrix, Warp};
 use andon_core::couple::Motion;
@@ -83,9 +83,9 @@ impl Barycentres {
 
     /// The barycentre and, if `leave_out` asks for them, the barycentres of the group without each of its members in turn.
     ///
-    /// To leave a member out, its frames are removed from the alignment of the last round, which costs one pass per member instead of a whole
-    /// DBA. The alignment itself was still made with the member; on recorded IUs the resulting distances agree with those of a whole DBA to
-    /// within a few percent.
+    /// To leave a member out, its frames are removed from the alignment of the last round. That costs one pass per member instead of a whole DBA. The
+    /// alignment itself was still made with the member. On recorded IUs the resulting distances agree with those of a whole DBA to within a few
+    /// percent.
     ///
     /// # Errors
     /// As for [`of`](Self::of).

@@ -1,5 +1,5 @@
-//! What the runs showed of a measure, and where one more execution lies among them: whoever knows the work sees by it whether an accusation is
-//! right. The line of text, the picture of a page and the fields for programs come from the same [`Distribution`].
+//! What the runs showed of a measure, and where one more execution lies among them. Whoever knows the work sees by it whether an accusation is right.
+//! The line of text, the picture of a page and the fields for programs come from the same [`Distribution`].
 
 use crate::html::escaped;
 use crate::job_file::{JobFile, ShownValues, TaughtIu};
@@ -29,7 +29,7 @@ const NEAR: f32 = 0.5;
 /// Two reversals are a stroke.
 const PER_STROKE: f32 = 2.0;
 
-/// A verdict and a job are about the same IU if the ranges that were shown are as near as this: counts of strokes to half of one, all others as they
+/// A verdict and a job are about the same IU if the ranges that were shown are as near as this. Counts of strokes to half of one, all others as they
 /// are kept.
 const SAME: f32 = 1e-3;
 
@@ -351,7 +351,7 @@ impl<'a> Right<'a> {
     }
 }
 
-/// The IU of the job that a verdict is about; where its measure was shown from a minimum to a maximum, one of which the job says that as well.
+/// The IU of the job that a verdict is about. Where its measure was shown from a minimum to a maximum, one of which the job says that as well.
 fn iu_of<'a>(
     job: &'a JobFile,
     verdict: &Verdict,

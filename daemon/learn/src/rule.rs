@@ -51,8 +51,8 @@ pub struct BoundsRule {
     pub max_duration: f64,
     /// Length in seconds of a pause that is no anomaly.
     pub pause_s: f64,
-    /// The share of right jobs that the minimum durations at other parts and the bounds of reversals, strokes, paths, axes and places
-    /// together may accuse; 0 sets no such bounds.
+    /// The share of right jobs that the minimum durations at other parts and the bounds of reversals, strokes, paths, axes and places together may
+    /// accuse. 0 sets no such bounds.
     pub false_alarms: f64,
 }
 

@@ -14,8 +14,8 @@ use andon_core::verdict::Verdict;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// The share of an IU whose motion must have been measured for it to be learnt: a reference is the mean of a few, and what is missing
-/// in one of them weighs there more than in a piece that is judged.
+/// The share of an IU whose motion must have been measured for it to be learnt. A reference is the mean of a few. What is missing in one of them
+/// weighs there more than in a piece that is judged.
 const MIN_MEASURED: f64 = 0.8;
 
 /// One Interaction Unit of a run.
@@ -61,7 +61,7 @@ impl Activity {
         self.ius.iter().map(|iu| iu.context).collect()
     }
 
-    /// A hand that touches what it moves just before or after, moves nothing and lets go corrects its grip: the judge does not count that either.
+    /// A hand that touches what it moves just before or after, moves nothing and lets go corrects its grip. The judge does not count that either.
     fn forget_grips(&mut self) {
         let moves = |iu: &Iu| iu.measures.path_m > 0.0;
         self.ius = std::mem::take(&mut self.ius)
@@ -98,8 +98,8 @@ pub struct Run {
     pub activities: Vec<Activity>,
 }
 
-/// The frames with each hand called what it is, as the encoder takes them: a tracker may call one the other one for some frames, and what is
-/// learnt from the frames themselves must not take it for another hand.
+/// The frames with each hand called what it is, as the encoder takes them. A tracker may call one the other one for some frames. What is learnt from
+/// the frames themselves must not take it for another hand.
 fn called_what_they_are(
     frames: &[Frame],
     objects: &[NamedObject],
@@ -146,7 +146,7 @@ impl Run {
     /// Encodes and segments a recording. `sha256` is the digest of the bytes that it comes from.
     ///
     /// # Errors
-    /// If the method or the objects cannot be used, and if the recording is known to be cut: it does not show how the job ends.
+    /// If the method or the objects cannot be used, and if the recording is known to be cut. It does not show how the job ends.
     pub fn new(name: &str, sha256: &str, recording: &Recording, method: &Method) -> Result<Self, RunError> {
         if let Some(cut) = &recording.truncation {
             return Err(RunError::CutShort(cut.clone()));
@@ -251,7 +251,7 @@ impl Run {
         apart.fold(0.0, f32::max)
     }
 
-    /// How far apart two positions of an object that lies still seem to be at most, in metres, as a rule; 0 where it is not seen in enough frames.
+    /// How far apart two positions of an object that lies still seem to be at most, in metres, as a rule. 0 where it is not seen in enough frames.
     pub(crate) fn noise_m(&self, id: u16) -> f32 {
         let place =
             |frame: &Frame| frame.objects.iter().find(|object| object.id == id).map(|object| object.position);
@@ -312,8 +312,8 @@ impl Run {
         verdicts(&self.couples_for(job)?, job).map_err(RunError::Job)
     }
 
-    /// The verdicts on this run if only one frame in a time of `1 / rate_hz` had been captured, for each of `phases` times of the first one.
-    /// None where the job cannot be used.
+    /// The verdicts on this run if only one frame in a time of `1 / rate_hz` had been captured. The first one is at each of `phases` times. None
+    /// where the job cannot be used.
     pub(crate) fn judge_at(&self, rate_hz: f64, phases: u32, job: &JobFile) -> Vec<Vec<Verdict>> {
         let began_ns = self.frames.first().map_or(0, |frame| frame.captured_ns);
         let shapes = job.shapes();

@@ -66,7 +66,7 @@ pub(crate) fn at_most(count: usize, of: usize, confidence: f64) -> f64 {
 /// changes.
 const NOISE_FRAMES: usize = 12;
 
-/// How far apart two of these positions of an object that lies still seem to be at most, as a rule, in metres; 0 where it is not seen in enough
+/// How far apart two of these positions of an object that lies still seem to be at most, as a rule, in metres. 0 where it is not seen in enough
 /// frames to tell.
 pub(crate) fn noise_m(places: &[Option<[f32; 3]>]) -> f32 {
     let of =

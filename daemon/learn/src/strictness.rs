@@ -8,8 +8,8 @@ use serde::Deserialize;
 
 /// How strict a job is, from 1, which accuses right jobs seldom, to 5, which lets little pass.
 ///
-/// Both of its rates are shares of right jobs or of pairs of steps, so that they mean the same whatever the job is. They are about twice as
-/// large with each number: a person who is content with a job finds the difference, and one who is not needs no more than two tries.
+/// Both of its rates are shares of right jobs or of pairs of steps, so that they mean the same whatever the job is. They are about twice as large
+/// with each number. A person who is content with a job finds the difference, and one who is not needs no more than two tries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(try_from = "u8")]
 pub struct Strictness(u8);

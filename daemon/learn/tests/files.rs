@@ -147,7 +147,7 @@ fn the_shipped_job_is_written_as_it_was_read() {
     assert!(job.to_toml() == text, "a word of the job file has changed");
 }
 
-/// A track file of two seconds at 30 Hz in which a hand moves and a part turns, as a tracker of this kind writes it.
+/// A track file of two seconds at 30 Hz as a tracker of this kind writes it. A hand moves and a part turns in it.
 fn tracked(write: impl Fn(f64, [f64; 3], [f64; 4]) -> (String, String, String)) -> String {
     let lines = (0..60).map(|frame| {
         let t = f64::from(frame) / 30.0;

@@ -10,14 +10,13 @@
 //!              and the marker has not moved by MOVED_M since
 //! ```
 //!
-//! The criterion is common motion, not nearness: a hand that passes over a part at rest hides its marker, too, and must not
-//! take it along.
+//! The criterion is common motion, not nearness. A hand that passes over a part at rest hides its marker, too, and must not take it along.
 //!
 //! The pose of a carried object goes on the channel with the flag `HELD`, for people and recorders. The method counts it as not seen, and
 //! carries hidden objects by contact itself. So a replay has the same information as the running line.
 //!
-//! On two clips a part that a hand holds is 2 to 4 mm off in the median for up to a second, and 13 to 74 mm if it stayed. A part at rest is
-//! taken along in 1 of 915 cases.
+//! On two clips a part that a hand holds is 2 to 4 mm off in the median for up to a second. It would be 13 to 74 mm off if it stayed. A part at rest
+//! is taken along in 1 of 915 cases.
 
 use heapless::{Deque, Vec};
 
@@ -27,23 +26,22 @@ use crate::detections::{HANDS, HandDetection, LANDMARKS, OBJECTS, PlacedObject, 
 /// wander at rest.
 const TRAVEL_M: f64 = 0.020;
 
-/// Hand and object move together while the object is within this share of the travel from where the hand would have taken
-/// it: halfway between moving along and staying behind.
+/// Hand and object move together while the object is within this share of the travel from where the hand would have taken it. It is halfway between
+/// moving along and staying behind.
 const TOGETHER_SHARE: f64 = 0.5;
 
-/// How long a pose follows the hand, in nanoseconds: a reach takes less, and a part that was put down unseen is misplaced for
-/// no longer.
+/// How long a pose follows the hand, in nanoseconds. A reach takes less, and a part that was put down unseen is misplaced for no longer.
 const MAX_HIDDEN_NS: u64 = 1_000_000_000;
 
-/// A grip that has widened by this much has let go, in metres: landmarks wander by 5 mm, and fingers clear a part on both
-/// sides, which takes at least twice that.
+/// A grip that has widened by this much has let go, in metres. Landmarks wander by 5 mm, and fingers clear a part on both sides, which takes at least
+/// twice that.
 const OPENED_M: f64 = 0.010;
 
 /// Letting go takes no longer than this, in nanoseconds; slower changes of a grip are the turns of a wrist.
 const OPENING_NS: u64 = 300_000_000;
 
-/// An object that has moved by this much since the hand opened is still carried, in metres: markers at rest wander by a tenth
-/// of a millimetre, and a part that is put down settles by 2 mm.
+/// An object that has moved by this much since the hand opened is still carried, in metres. Markers at rest wander by a tenth of a millimetre, and a
+/// part that is put down settles by 2 mm.
 const MOVED_M: f64 = 0.005;
 
 /// Number of grips that are remembered: `OPENING_NS` at 60 frames per second.

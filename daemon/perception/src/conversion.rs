@@ -1,4 +1,4 @@
-//! Brightness and colours of a picture, whatever its format: of the whole picture or of a part of it, so that nothing is converted that
+//! Brightness and colours of a picture, whatever its format. They are of the whole picture or of a part of it, so that nothing is converted that
 //! nobody looks at.
 
 use crate::error::{PerceptionError, while_doing};

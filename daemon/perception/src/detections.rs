@@ -40,8 +40,8 @@ pub struct HandDetection {
     pub score: f32,
     /// Landmarks in pixels.
     pub landmarks_px: [[f32; 2]; LANDMARKS],
-    /// The hand's shape as the hand model guesses it: metres around the middle of a hand of average size, x right and
-    /// y down in the picture, z away from the camera.
+    /// The hand's shape as the hand model guesses it, in metres around the middle of a hand of average size. x points right and y down in the
+    /// picture, z away from the camera.
     pub shape_m: [[f32; 3]; LANDMARKS],
     /// Landmarks in metres in the bench frame; NaN until a marker has given the scale.
     pub landmarks_m: [[f32; 2]; LANDMARKS],
@@ -105,8 +105,8 @@ pub struct Detections {
     pub carried: Vec<PlacedObject, OBJECTS>,
     /// Hands in the picture, wanted or not.
     pub hands_in_view: usize,
-    /// Markers in the picture that belong to no configured object: of another id, or while none of the configured ones has been
-    /// seen, of another dictionary.
+    /// Markers in the picture that belong to no configured object. They have another id or, while none of the configured ones has been seen, another
+    /// dictionary.
     pub foreign_markers: usize,
     /// How well the picture can be seen.
     pub picture: Picture,

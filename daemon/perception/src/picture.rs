@@ -21,7 +21,7 @@ const NEAR: usize = 1;
 const FAR: usize = 4;
 /// Up to this grey level a pixel is black: the noise of a covered sensor stays below.
 const BLACK_LEVEL: u8 = 16;
-/// From this grey level on a pixel is white: noise takes some levels from one that is as bright as it can be, and video keeps the last ones free.
+/// From this grey level on a pixel is white. Noise takes some levels from one that is as bright as it can be, and video keeps the last ones free.
 const WHITE_LEVEL: u8 = 244;
 /// Minimum step across an edge, in grey levels.
 const EDGE: f32 = 16.0;
@@ -43,11 +43,10 @@ pub struct Picture {
     pub noise: f32,
     /// Share of the points that lie on a sharp edge.
     pub edges: f32,
-    /// By how many grey levels patches of the size of a part differ from what lies on both sides of them (root mean square, without noise).
+    /// By how many grey levels patches of the size of a part differ from what lies on both sides of them. It is a root mean square, without noise.
     /// Unlike an edge, this stays where the lens is far out of focus.
     pub patches: f32,
-    /// How much of the step across an edge lies within two pixels, 0..1, at the sharp tenth of all edges; `None` where the picture has
-    /// no edges.
+    /// How much of the step across an edge lies within two pixels, 0..1, at the sharp tenth of all edges. `None` where the picture has no edges.
     pub sharpness: Option<f32>,
     /// Mean red, green and blue in a coarse grid.
     pub cells: [[u8; 3]; CELLS],
@@ -213,8 +212,8 @@ impl Count {
         let mut left = self.points / 2;
         for (bin, count) in self.mask.iter().enumerate() {
             if *count > left {
-                // Where within the bin the median lies; the mask's weights have the norm 6, and half of all normally distributed
-                // numbers lie within 0.6745 standard deviations.
+                // Where within the bin the median lies. The mask's weights have the norm 6, and half of all normally distributed numbers lie within
+                // 0.6745 standard deviations.
                 return 4.0 * (bin as f32 + left as f32 / *count as f32) / (6.0 * 0.6745);
             }
             left -= count;

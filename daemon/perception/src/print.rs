@@ -9,8 +9,8 @@ use crate::sight::SeenMarker;
 use opencv::core::Mat;
 use opencv::prelude::*;
 
-/// Pixels that a module should measure from edge to edge. Of 400 markers of six modules, in noise and through a lens that is a little soft, 400
-/// are found at 5 pixels for each module, 398 at 4.5, 385 at 4 and 265 at 3; in dim light 399, 398, 391 and 299: `tests/print.rs`.
+/// Pixels that a module should measure from edge to edge. 400 markers of six modules were seen in noise and through a lens that is a little soft. Of
+/// these, 400 are found at 5 pixels for each module, 398 at 4.5, 385 at 4 and 265 at 3. In dim light it is 399, 398, 391 and 299: `tests/print.rs`.
 const WANTED_MODULE_PX: f64 = 5.0;
 /// Pixels of a module from which on hardly a marker is missed.
 const NEEDED_MODULE_PX: f64 = 4.5;

@@ -18,7 +18,7 @@ impl Workers {
         Ok(Self(if config.count > 1 { Some(pool("look", config.count - 1)?) } else { None }))
     }
 
-    /// Does both, side by side where there are two threads: the first one in that of the caller, so that nobody has to be woken for the
+    /// Does both, side by side where there are two threads. The first one is done in that of the caller, so that nobody has to be woken for the
     /// longer one.
     pub(crate) fn join<A, B: Send>(
         &self,
@@ -36,8 +36,8 @@ impl Workers {
     }
 }
 
-/// Keeps OpenCV from dividing each step among threads of its own, which wait for the next one by asking for it again and again and, once
-/// in many thousands of times, for ever.
+/// Keeps OpenCV from dividing each step among threads of its own. They wait for the next one by asking for it again and again and, once in many
+/// thousands of times, for ever.
 ///
 /// # Errors
 /// [`PerceptionError::OpenCv`].

@@ -276,8 +276,8 @@ fn an_address_that_is_taken_is_an_error_that_names_it() {
     assert!(error.contains(&server.address.to_string()) && error.contains("already in use"), "{error}");
 }
 
-/// Results change every millisecond while clients read the block in one request or in several, then ever more slowly: on a busy
-/// machine a client that needs 67 requests gets no result whole that lasts a millisecond.
+/// Results change every millisecond while clients read the block in one request or in several, then ever more slowly. On a busy machine a client that
+/// needs 67 requests gets no result whole that lasts a millisecond.
 #[test]
 fn no_client_reads_a_torn_result() {
     let mut server = TestServer::start(Config { writes: false, hold: Duration::ZERO, ..config() });

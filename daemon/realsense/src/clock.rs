@@ -2,9 +2,9 @@
 //!
 //! A camera stamps its pictures with one of three clocks; Andon computes with CLOCK_MONOTONIC alone.
 //!
-//! - *Hardware*: the camera's own clock, 32 bits of microseconds from an unknown start. A picture arrives some time after it was taken:
-//!   exposure, transfer and scheduler take their time. The minimum of this delay over the last seconds is the best estimate of the offset
-//!   between the two clocks, since jitter only ever adds to it. The minimum delay itself stays unknown; it is a constant of the mode.
+//! - *Hardware*: the camera's own clock, 32 bits of microseconds from an unknown start. A picture arrives some time after it was taken: exposure,
+//!   transfer and scheduler take their time. The minimum of this delay over the last seconds is the best estimate of the offset between the two
+//!   clocks. Jitter only ever adds to it. The minimum delay itself stays unknown; it is a constant of the mode.
 //! - *System* and *global*: CLOCK_REALTIME, stamped by the driver or computed by the SDK. Both clocks of the computer are read when a
 //!   picture arrives, so a step of the wall clock is followed at once.
 //!

@@ -13,10 +13,9 @@
 //!
 //! An [`Error`] ends the source: whoever owns it decides whether and when to open another one.
 //!
-//! Only the feature `realsense` brings `Source`. It loads librealsense at run time from the folder that `provision.py` fills, so nothing
-//! here needs the library to be built. Whatever can be decided without the library is tested without it: [`clock`] maps the sensor's
-//! time to CLOCK_MONOTONIC, [`pair`] finds the depth of a colour picture, [`wait`] says when a camera is silent, and [`usb`] finds out
-//! why no camera is there.
+//! Only the feature `realsense` brings `Source`. It loads librealsense at run time from the folder that `provision.py` fills, so nothing here needs
+//! the library to be built. Whatever can be decided without the library is tested without it. [`clock`] maps the sensor's time to CLOCK_MONOTONIC,
+//! and [`pair`] finds the depth of a colour picture. [`wait`] says when a camera is silent, and [`usb`] finds out why no camera is there.
 //!
 //! It is a crate of its own because its calls into a library that may be missing are `unsafe`. The crate boundary keeps them in one place.
 

@@ -1,7 +1,7 @@
 //! Which depth picture belongs to which colour picture.
 //!
-//! Two sensors take their pictures independently of each other. Depth is of the moment of a colour picture when the two stamps are at most half
-//! a period of the colour stream apart; whatever is farther away shows where things were one picture earlier or later.
+//! Two sensors take their pictures independently of each other. Depth is of the moment of a colour picture when the two stamps are at most half a
+//! period of the colour stream apart. Whatever is farther away shows where things were one picture earlier or later.
 
 use std::collections::VecDeque;
 
@@ -11,7 +11,7 @@ use crate::clock::SensorTime;
 /// SDK has 32 buffers for each.
 const MAX_WAITING: usize = 16;
 
-/// Whether depth that was taken at `depth` is of the moment of a colour picture that was taken at `colour` in a stream of `rate_hz` pictures per
+/// Whether depth that was taken at `depth` is of the moment of a colour picture that was taken at `colour`. Its stream has `rate_hz` pictures per
 /// second. Stamps of two clocks cannot be compared.
 pub fn is_of_one_moment(colour: SensorTime, depth: SensorTime, rate_hz: u32) -> bool {
     colour.domain == depth.domain && (colour.ms - depth.ms).abs() <= 500.0 / f64::from(rate_hz.max(1))

@@ -1,5 +1,5 @@
-//! How a V4L2 device sends its pictures, and how they come into a frame: as they are, so that nothing is converted that nobody looks at, or
-//! decoded straight into it.
+//! How a V4L2 device sends its pictures, and how they come into a frame. They come as they are, so that nothing is converted that nobody looks at, or
+//! are decoded straight into it.
 
 use crate::OpenError;
 use andon_host::config::Encoding as Configured;
@@ -14,8 +14,8 @@ use crate::recording::read_in_place;
 /// So many damaged pictures in a row are more than a cable that was touched.
 const MAX_DAMAGED: u32 = 30;
 
-/// What the end of a frame holds until a picture is decoded into it, because OpenCV does not say whether it has done so: pixels in turn green
-/// and magenta, which no JPEG of a camera shows, where two pixels at least share their colour.
+/// What the end of a frame holds until a picture is decoded into it, because OpenCV does not say whether it has done so. They are pixels in turn
+/// green and magenta. No JPEG of a camera shows that, where two pixels at least share their colour.
 const UNTOUCHED: [u8; 12] = [0, 255, 0, 255, 0, 255, 0, 255, 0, 255, 0, 255];
 
 /// An encoding that this program reads.

@@ -111,7 +111,7 @@ fn unwritten(error: &io::Error) -> String {
     format!("it cannot be written: {error}; {}", remedy(error))
 }
 
-/// Writes each picture on standard input to standard output as a file of its own with this ending, after its length in bytes (32 bits, the
+/// Writes each picture on standard input to standard output as a file of its own with this ending. Before it comes its length in bytes (32 bits, the
 /// least significant first).
 ///
 /// # Errors

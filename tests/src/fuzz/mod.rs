@@ -1,5 +1,5 @@
-//! The functions that the fuzzer calls, and the tests with bytes from fixed seeds: whatever the bytes are, nothing may panic, hang or use
-//! unlimited memory, and the verdicts must be consistent.
+//! The functions that the fuzzer calls, and the tests with bytes from fixed seeds. Whatever the bytes are, nothing may panic, hang or use unlimited
+//! memory, and the verdicts must be consistent.
 //!
 //! The targets in `tests/fuzz` include this module by its path, so that they build without the rest of this crate.
 

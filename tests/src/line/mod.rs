@@ -1,7 +1,7 @@
 //! A whole line: the real roles as processes of a station of their own under /tmp, fed by the track file of a simulated worker.
 //!
-//! The roles are started and supervised as systemd does it, and watched from outside only: by the channels, by Modbus, by
-//! the commands of `andond` and by `/proc`.
+//! The roles are started and supervised as systemd does it, and watched from outside only. That is by the channels, by Modbus, by the commands of
+//! `andond` and by `/proc`.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod client;
@@ -41,8 +41,8 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// Whatever must happen sooner or later has happened by then, also on a machine that does twenty other things; only a test that fails
-/// waits for so long.
+/// Whatever must happen sooner or later has happened by then, also on a machine that does twenty other things. Only a test that fails waits for so
+/// long.
 pub const PATIENCE: Duration = Duration::from_secs(300);
 
 /// The roles of a line without pictures, in the order in which a target starts them.
@@ -99,8 +99,8 @@ impl Line {
         line
     }
 
-    /// As [`Line::new`], with the job in a folder, from which a PLC may load it, and a second time there, under the number 2, with a part at
-    /// which a hand acts from a little farther away.
+    /// As [`Line::new`], with the job in a folder, from which a PLC may load it. It is there a second time under the number 2, with a part at which a
+    /// hand acts from a little farther away.
     pub fn with_second_job(settings: Settings) -> Self {
         let line = Self::new(settings);
         let folder = line.path("jobs");
@@ -175,9 +175,9 @@ impl Line {
         watcher
     }
 
-    /// Lets the worker do these jobs one after the other instead, each after a pause of this many seconds: no hand is in the picture, and at
-    /// its beginning the parts of the job are put in place. Returns from when to when the hand is in the picture for each, and how long
-    /// the recording is, in seconds.
+    /// Lets the worker do these jobs one after the other instead, each after a pause of this many seconds. No hand is in the picture, and at its
+    /// beginning the parts of the job are put in place. Returns from when to when the hand is in the picture for each, and how long the recording is,
+    /// in seconds.
     pub fn work_in_turn(&self, flaws: &[Flaw], pause_s: f64) -> (Vec<(f64, f64)>, f64) {
         let mut recording = recording::read("work", &fs::read(self.tracks()).unwrap()).unwrap();
         recording.frames.clear();

@@ -62,11 +62,11 @@ pub struct Noise {
 }
 
 impl Default for Noise {
-    /// What `andon-perception` measured on the recordings of two people, 640 x 480 pixels over a bench 0.76 m below the camera (`perception_accuracy
-    /// detected`, two correct recordings, 907 frames). The median error of finger tips is 4.4 px, of which 4 px are constant. The rest has a
-    /// standard deviation of 1.3 px (index tip) to 8 px (ring tip) and changes by 0.6 to 1.3 px from frame to frame; a fifth is common to the
-    /// hand. The error of markers has a median of 0.02 px and a 95th percentile of 0.08 px; one recording has a hidden marker in 15 frames.
-    /// No hand was lost.
+    /// What `andon-perception` measured on the recordings of two people, 640 x 480 pixels over a bench 0.76 m below the camera. It was
+    /// `perception_accuracy detected` on two correct recordings, 907 frames. The median error of finger tips is 4.4 px, of which 4 px are constant.
+    /// The rest has a standard deviation of 1.3 px (index tip) to 8 px (ring tip). It changes by 0.6 to 1.3 px from frame to frame. A fifth is common
+    /// to the hand. The error of markers has a median of 0.02 px and a 95th percentile of 0.08 px. One recording has a hidden marker in 15 frames. No
+    /// hand was lost.
     fn default() -> Self {
         Self {
             hand: SeenHand::Fingers,
@@ -109,8 +109,8 @@ impl Noise {
         }
     }
 
-    /// The boxes of a stereo camera that uses no markers: errors of millimetres where nothing is near, of centimetres where a hand covers a part,
-    /// and leaps.
+    /// The boxes of a stereo camera that uses no markers. Errors of millimetres where nothing is near, of centimetres where a hand covers a part, and
+    /// leaps.
     pub fn boxes() -> Self {
         Self {
             hand: SeenHand::Box,

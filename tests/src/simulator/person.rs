@@ -2,8 +2,8 @@
 
 use super::Random;
 
-/// A person. The spreads are those of healthy adults at unconstrained bench work: movement times differ by about a fifth between people,
-/// and by less than a tenth between repetitions of one person.
+/// A person. The spreads are those of healthy adults at unconstrained bench work. Movement times differ by about a fifth between people, and by less
+/// than a tenth between repetitions of one person.
 #[derive(Clone, Debug)]
 pub struct Person {
     /// Movement time relative to the average.

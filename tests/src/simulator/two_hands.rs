@@ -33,8 +33,8 @@ pub enum TwoHanded {
     /// The left hand moves the corner and goes away at once, or rests there until the right one has moved the drill and the polisher. Fault: the
     /// drill is left out.
     WaitingHand,
-    /// The left hand brings the brick to the middle and holds it there while the right one polishes it and drills, and puts both tools back side by
-    /// side; it may begin to bring the brick back as soon as the drill is lifted. Fault: the drill is left out.
+    /// The left hand brings the brick to the middle and holds it there. Meanwhile the right one polishes it and drills, and puts both tools back side
+    /// by side. It may begin to bring the brick back as soon as the drill is lifted. Fault: the drill is left out.
     Workshop,
 }
 

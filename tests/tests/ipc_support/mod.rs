@@ -32,8 +32,8 @@ impl Bench {
         self.try_steward(SMALL).unwrap()
     }
 
-    /// The lock of a steward that was dropped is held a moment longer where another test of this process has just forked: until the child
-    /// becomes another program.
+    /// The lock of a steward that was dropped may be held a moment longer. That is where another test of this process has just forked, until the
+    /// child becomes another program.
     pub fn try_steward(&self, limits: Limits) -> Result<Steward, Error> {
         let until = Instant::now() + PATIENCE;
         loop {

@@ -29,7 +29,7 @@ pub(crate) const TABLE: u16 = 2;
 /// Id of the shelf.
 pub(crate) const SHELF: u16 = 3;
 
-/// Where the hand holds the box, in metres in the frame of the box: the centre of the finger tips while it moves, as median over the runs.
+/// Where the hand holds the box, in metres in the frame of the box. The centre of the finger tips while it moves, as median over the runs.
 const GRASP: Point = [0.01, 0.115, 0.0];
 
 /// Where the box rests on the table and on the shelf, in metres. On the shelf the position varies by 6 cm to both sides.
@@ -100,8 +100,8 @@ impl Capture {
         second
     }
 
-    /// The same, as a person can do it: the hand goes from where one half ends to where the other one begins within half a second, and takes the
-    /// box from where it has put it.
+    /// The same, as a person can do it. The hand goes from where one half ends to where the other one begins within half a second. It takes the box
+    /// from where it has put it.
     pub(crate) fn halves_swapped_without_a_jump(self) -> Self {
         let middle = self.label("move_to_rest_right").1;
         let (approach, carry) = (self.label("approach_forward"), self.label("move_obj_table"));
@@ -170,7 +170,7 @@ impl Capture {
         Self { instants: self.instants.into_iter().flat_map(repeated).collect(), ..self }
     }
 
-    /// Leads hand and box to the table over an arc that is higher by so many metres, and leaves it as gently as it comes to it.
+    /// Leads hand and box to the table over an arc that is higher by so many metres. Leaves it as gently as it comes to it.
     pub(crate) fn over_an_arc(mut self, metres: f32) -> Self {
         let (from, to) = self.label("move_obj_table");
         for Instant { number, markers } in &mut self.instants {
@@ -187,7 +187,7 @@ impl Capture {
         self
     }
 
-    /// Is seen with an error of its own in each frame for the hand, each of its landmarks and each object: of this standard deviation along each
+    /// Is seen with an error of its own in each frame for the hand, each of its landmarks and each object. It has this standard deviation along each
     /// axis, in metres. The seed chooses the errors.
     pub(crate) fn recording_with_errors(&self, deviation_m: f64, seed: u64) -> Recording {
         let mut random = Random::new(seed, &[6]);
@@ -207,7 +207,7 @@ impl Capture {
         recording
     }
 
-    /// Is seen by a tracker that filters, so that the error of the hand and that of each object last: of this standard deviation along each axis,
+    /// Is seen by a tracker that filters, so that the error of the hand and that of each object last. It has this standard deviation along each axis,
     /// in metres, and a third of it is left after a third of a second. The seed chooses the errors.
     pub(crate) fn recording_with_lasting_errors(&self, deviation_m: f64, seed: u64) -> Recording {
         let kept = (-3.0 / f64::from(RATE_HZ)).exp();

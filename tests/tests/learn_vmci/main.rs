@@ -1,5 +1,5 @@
-//! A real person, recorded by motion capture, moves a box from a shelf to a table and back. A job that was taught by all runs but one accepts
-//! the run that was left out, and refuses incorrect runs that are composed of it.
+//! A real person, recorded by motion capture, moves a box from a shelf to a table and back. A job that was taught by all runs but one accepts the run
+//! that was left out. It refuses incorrect runs that are composed of it.
 #![allow(clippy::unwrap_used)]
 
 mod capture;
@@ -140,7 +140,7 @@ fn where_nothing_but_the_box_is_known_right_runs_are_right_and_faults_are_found(
     }
 }
 
-/// The nine runs are right and 27 faults in them are found, if a tracker sees them with errors and all other runs teach without points.
+/// The nine runs are right and 27 faults in them are found. A tracker sees them with errors, and all other runs teach without points.
 fn expect_right_with_errors(seen: impl Fn(u32, &Capture) -> Recording) {
     let method = Method { space: Space::Metric, ..Method::default() };
     let run = |number: u32, capture: Capture| {

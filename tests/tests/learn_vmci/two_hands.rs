@@ -1,4 +1,4 @@
-//! Two hands of real people: each does a run of its own at a bench of its own, beside the other and at its own time.
+//! Two hands of real people. Each does a run of its own at a bench of its own, beside the other and at its own time.
 
 use super::capture::{BOX, Capture, RATE_HZ, SHELF, TABLE};
 use super::{RUNS, all_taught_by_others};

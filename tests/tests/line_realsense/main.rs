@@ -1,7 +1,7 @@
 //! RealSense recordings, played by the real processes. `make test` builds the feature that this needs.
 //!
-//! `tests/realsense/make_bag.py` makes a recording of a clip and its ground truth with the SDK's own recorder; the
-//! `.colour`, `.depth` and `.json` files beside it, written without the SDK, are what must come out.
+//! `tests/realsense/make_bag.py` makes a recording of a clip and its ground truth with the SDK's own recorder. The `.colour`, `.depth` and `.json`
+//! files beside it, written without the SDK, are what must come out.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod support;

@@ -164,8 +164,8 @@ impl Playing {
 }
 
 impl Read {
-    /// Depth in metres of the point at `pixel` of the colour picture and `distance` metres from the colour camera, as the depth
-    /// camera measures it: the median of those of 5 x 5 pixels that have depth.
+    /// Depth in metres of the point at `pixel` of the colour picture and `distance` metres from the colour camera, as the depth camera measures it.
+    /// The median of those of 5 x 5 pixels that have depth.
     pub(crate) fn depth_at(&self, pixel: [f64; 2], distance: f64) -> f64 {
         let FrameHeader { colour, depth, colour_from_depth: between, .. } = self.header;
         let (width, start) = (self.header.depth_width as usize, self.header.colour_bytes().unwrap());

@@ -1,7 +1,7 @@
 //! Draws what was seen and judged on a film: landmarks, markers and names, contacts, the running IU, the verdict.
 //!
-//! What was seen has full lines. What was not seen, but is assumed to lie where it was last seen or to move with a hand, has dashes and
-//! the word "assumed". What has been out of sight for longer than `method.blind_ms` is not drawn, and the panel says so.
+//! What was seen has full lines. What was not seen has dashes and the word "assumed", where it is assumed to lie where it was or to move with a hand.
+//! What has been out of sight for longer than `method.blind_ms` is not drawn, and the panel says so.
 
 use std::path::Path;
 
@@ -74,8 +74,8 @@ pub struct Annotator {
 }
 
 impl Annotator {
-    /// Starts the film. Its pictures have those of `format`, enlarged where they are small, and what is written beside and below them. What has not been seen for longer than
-    /// `blind_ms` is not assumed to be anywhere.
+    /// Starts the film. Its pictures have those of `format`, enlarged where they are small, and what is written beside and below them. What has not
+    /// been seen for longer than `blind_ms` is not assumed to be anywhere.
     ///
     /// # Errors
     /// That the file cannot be written.

@@ -1,4 +1,4 @@
-//! Where a part or hand is drawn that is not seen: where it was last seen, or, held by a hand that is seen, moved with that hand.
+//! Where a part or hand is drawn that is not seen. That is where it was last seen or, if a hand that is seen holds it, moved with that hand.
 
 use crate::report::Names;
 use shm_schemas::{Detections, HandCode, HandDetection, LANDMARKS, ObjectDetection, flag};

@@ -30,7 +30,7 @@ pub(super) struct Steps {
     names: Names,
     teller: Teller,
     pub(super) steps: Vec<Step>,
-    /// The newest fault or what could not be judged, and at the end what the job is wrong or not judged for, as the lines of text say it.
+    /// The newest fault or what could not be judged. At the end it is what the job is wrong or not judged for, as the lines of text say it.
     pub(super) fault: Option<Cause>,
     /// How the job came out, once it has ended.
     pub(super) job: Option<Verdict>,

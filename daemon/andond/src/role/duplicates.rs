@@ -1,4 +1,4 @@
-//! Logs that the marker of a part is in view twice: which of the two is the part is not guessed, and the part counts as not seen.
+//! Logs that the marker of a part is in view twice. Which of the two is the part is not guessed, and the part counts as not seen.
 
 use andon_host::config::{Config, Object};
 use andon_host::log::{code, log};
@@ -6,7 +6,7 @@ use andon_host::log::{code, log};
 /// What is in view twice for so many frames is no lucky pattern.
 const FRAMES: u32 = 5;
 
-/// When it was not in view twice for so long, in nanoseconds, somebody has taken the other print away: it is news when it comes again.
+/// When it was not in view twice for so long, in nanoseconds, somebody has taken the other print away. It is news when it comes again.
 const GONE_NS: u64 = 2_000_000_000;
 
 /// The markers that are or were in view twice.

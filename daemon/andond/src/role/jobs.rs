@@ -45,7 +45,7 @@ pub(super) fn chosen(config: &Config) -> Option<PathBuf> {
 
 /// The line ends: the next one begins with the job of its configuration.
 pub(super) fn forget_choice(config: &Config) {
-    // It is not there where no command has loaded a job, and what cannot be removed now is swept away by the next steward that is alone.
+    // It is not there where no command has loaded a job. What cannot be removed now is swept away by the next steward that is alone.
     let _ = std::fs::remove_file(config.root().join(CHOICE));
 }
 

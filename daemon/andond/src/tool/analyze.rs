@@ -21,8 +21,8 @@ pub fn run(arguments: &Analyze) -> Result<Code, ToolError> {
     let bar = percent_bar("clustering");
     let mut progress = |done: f64| bar.set_position((100.0 * done) as u64);
     let met = with_learned_contacts(&all, &method)?;
-    // The first experiment compares six kinds of its own, and has drilling beside them; it is that of the paper, whose station says where
-    // its objects are touched.
+    // The first experiment compares six kinds of its own, and has drilling beside them. It is that of the paper, whose station says where its objects
+    // are touched.
     let (analysis, drilling) = if is_experiment_1(&all) {
         let one = experiment_1(&all, &method, cost, SEED, &mut progress)?;
         (one.analysis, one.drilling)

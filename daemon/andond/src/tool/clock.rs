@@ -1,5 +1,5 @@
 //! Times of day for people: of this machine's time zone unless UTC is asked for. A time has its offset from UTC where that is another one than now,
-//! which is the one that a table has in its head: in the night in which clocks go back, an hour comes twice.
+//! which the head of a table has. In the night in which clocks go back, an hour comes twice.
 
 use andon_ipc::{MonotonicTime, UtcTime};
 use jiff::Timestamp;

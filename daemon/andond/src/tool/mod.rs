@@ -121,8 +121,8 @@ fn running_config(arguments: &ConfigArgs) -> Result<Taken, ToolError> {
     Ok(taken::running(&arguments.existing()?)?)
 }
 
-/// As [`load_config`], for the commands that make what a station needs, or read films of their own: job, calibration and the station's own
-/// recording do not need to exist yet.
+/// As [`load_config`], for the commands that make what a station needs, or read films of their own. Job, calibration and the station's own recording
+/// do not need to exist yet.
 ///
 /// # Errors
 /// Every fault in it.

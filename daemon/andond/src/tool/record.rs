@@ -22,8 +22,8 @@ const WAIT: Duration = Duration::from_secs(10);
 /// not lost.
 ///
 /// # Errors
-/// A file that exists or cannot be written, a station that cannot be joined, or frames that were lost, without which the recording
-/// would not give the same verdicts.
+/// A file that exists or cannot be written, or a station that cannot be joined. So are lost frames, without which the recording would not give the
+/// same verdicts.
 pub fn run(arguments: &Record) -> Result<Code, ToolError> {
     let config = load_config(&arguments.config)?;
     let out = arguments.out.as_path();

@@ -1,4 +1,4 @@
-//! `andond tracks`: what a film shows, as a track file, so that the film need not be looked at again for what is done with it later.
+//! `andond tracks`: what a film shows, as a track file. The film need not be looked at again for what is done with it later.
 
 use andon_host::atomic;
 use andon_host::exit::Code;

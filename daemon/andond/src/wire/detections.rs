@@ -44,8 +44,8 @@ fn write_hands(
     message.hands_len = seen.hands.len().min(HANDS) as u32;
 }
 
-/// Writes the objects that were seen and have a pose, with its confidence; then those that a hand holds and hides, and those whose marker is in
-/// view twice.
+/// Writes the objects that were seen and have a pose, with its confidence. Then those that a hand holds and hides, and those whose marker is in view
+/// twice.
 fn write_objects(
     seen: &Seen,
     pose: impl Fn(&seen::ObjectDetection) -> Option<([f32; 3], [f32; 4], f32)>,
@@ -120,8 +120,8 @@ pub fn twice(message: &Detections) -> impl Iterator<Item = u16> {
     message.objects().iter().filter(|object| object.flags & flag::TWICE != 0).map(|object| object.id)
 }
 
-/// Reads from a message what the method uses. A hand without a position on the bench counts as not seen, and so does an object whose pose
-/// is held: the method itself carries hidden objects by contact, and counts how long it was blind.
+/// Reads from a message what the method uses. A hand without a position on the bench counts as not seen, and so does an object whose pose is held.
+/// The method itself carries hidden objects by contact, and counts how long it was blind.
 pub fn to_core(message: &Detections) -> Frame {
     let is_unseen = message.flags & flag::UNSEEN != 0;
     let mut frame = Frame {

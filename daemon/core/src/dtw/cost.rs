@@ -8,9 +8,9 @@ use crate::couple::Motion;
 use crate::job::LocalCost;
 use core::f64::consts::TAU;
 
-/// Maximum local cost. The shortest path to a cell is no longer than the longer sequence (along the diagonal, then straight), and
-/// the sum of `IU_FRAMES` such costs is still below [`UNREACHED`], so no sum wraps. All ordinal costs of `i8` features
-/// (7 * 255²) are smaller: the cap never changes an ordinal cost, and another one only if a feature is far out of range.
+/// Maximum local cost. The shortest path to a cell is no longer than the longer sequence (along the diagonal, then straight). The sum of `IU_FRAMES`
+/// such costs is still below [`UNREACHED`], so no sum wraps. All ordinal costs of `i8` features (7 * 255²) are smaller. The cap never changes an
+/// ordinal cost, and another one only if a feature is far out of range.
 const COST_CAP: i32 = (1 << 20) - 1;
 
 /// Sums start here. That leaves 0 for cells that are not reached, which is the value that the shifts of the SIMD path fill in.
@@ -19,8 +19,8 @@ pub(super) const ORIGIN: i32 = i32::MIN;
 /// The value of a cell that no path has reached, greater than that of every reached one. All values from here up mean the same.
 pub(super) const UNREACHED: i32 = 0;
 
-/// Maximum local cost of two motions whose features are in range, in units of the scale: `a_h` differs by at most 2, two `jm`
-/// by 1, four directions by the diameter of the circle: 2² + 1 + 1 + 4 * 2².
+/// Maximum local cost of two motions whose features are in range, in units of the scale. `a_h` differs by at most 2, two `jm` by 1, four directions
+/// by the diameter of the circle: 2² + 1 + 1 + 4 * 2².
 const COST_IN_RANGE: i32 = 22;
 
 /// Maximum scale for which such a cost stays below [`COST_CAP`].
@@ -34,11 +34,11 @@ const MAX_BINS: u8 = i8::MAX as u8;
 
 /// Local costs as integers, in units of `1 / scale`.
 ///
-/// Ordinal costs are integers already (scale 1). Normalised costs are multiples of 1/4 (`a_h` has the range 2) and of 1/N² (directions have
-/// the range N), so that they are exact at the scale 4N², or N² if that is a multiple of 4. A circular cost is `2 - 2 cos(k 2π/N)` between directions that are `k` bins
-/// apart, and 1 between a direction and rest. It is rounded at a scale that makes the relative error of every cost at most 1e-5
-/// (for N = 8 the scale is 408, because 408 √2 = 576.999). The sum along a warping path, and so the minimum sum, has at most the
-/// same relative error, and the distance half of it.
+/// Ordinal costs are integers already (scale 1). Normalised costs are multiples of 1/4 (`a_h` has the range 2) and of 1/N² (directions have the range
+/// N). So they are exact at the scale 4N², or N² if that is a multiple of 4. A circular cost is `2 - 2 cos(k 2π/N)` between directions that are `k`
+/// bins apart, and 1 between a direction and rest. It is rounded at a scale that makes the relative error of every cost at most 1e-5. For N = 8 the
+/// scale is 408, because 408 √2 = 576.999. The sum along a warping path, and so the minimum sum, has at most the same relative error, and the
+/// distance half of it.
 #[derive(Clone, Debug)]
 pub(super) struct IntegerCosts {
     /// Units of a cost of 1.

@@ -85,8 +85,8 @@ impl<'a> OnlineDtw<'a> {
         (self.frames > 0).then(|| self.costs.distance_of(self.row.cell(self.reference.len() - 1)))
     }
 
-    /// A lower bound of the distance, whatever frames are appended: it comes from the minimum of the newest row, which never
-    /// falls, because every path to a later row passes through this one.
+    /// A lower bound of the distance, whatever frames are appended. It comes from the minimum of the newest row, which never falls, because every
+    /// path to a later row passes through this one.
     pub fn lower_bound(&self) -> f64 {
         self.costs.distance_of(self.min)
     }

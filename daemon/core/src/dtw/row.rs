@@ -9,9 +9,8 @@ pub(super) const LANES: usize = 8;
 
 /// The newest row and the border cell before it.
 ///
-/// In a block of 32 cells, cell `c` is at `c / 4 + 8 * (c % 4)`: four vectors of eight, so that a cell and its left neighbour
-/// are in the same lane of neighbouring vectors and only every fourth cell needs a shuffle. The bytes of a vector widen in that
-/// order too.
+/// In a block of 32 cells, cell `c` is at `c / 4 + 8 * (c % 4)`: four vectors of eight. A cell and its left neighbour are in the same lane of
+/// neighbouring vectors, and only every fourth cell needs a shuffle. The bytes of a vector widen in that order too.
 #[derive(Clone, Debug)]
 pub(super) struct Row {
     /// The cell before the first one.

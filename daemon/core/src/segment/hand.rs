@@ -46,7 +46,7 @@ struct OpenActivity {
 ///
 /// - A new ERU begins when any element of the filtered `X` changes.
 /// - A new IU begins when `x_c` changes.
-/// - A new activity begins when the hand touches an object other than the first one of the activity, or touches that one again
+/// - A new activity begins when the hand touches an object other than the first one of the activity. So it does when the hand touches that one again
 ///   after the activity has matched a nominal activity to its last IU.
 ///
 /// Frames whose motion was not measured bypass the filter and are reported where they belong.
@@ -146,8 +146,8 @@ impl Segmenter {
             })
     }
 
-    /// The activity has matched a nominal activity to its last IU: if its first object is touched again, that begins a new one,
-    /// unless the context is one of `continuations`. At most [`ACTIVITIES`] contexts, the maximum number of candidates, are used.
+    /// The activity has matched a nominal activity to its last IU. If its first object is touched again, that begins a new one, unless the context is
+    /// one of `continuations`. At most [`ACTIVITIES`] contexts, the maximum number of candidates, are used.
     pub fn activity_matched(&mut self, continuations: &[Context]) {
         if let Some(activity) = &mut self.activity {
             activity.matched = true;

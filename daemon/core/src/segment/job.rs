@@ -20,10 +20,11 @@ struct OpenJob {
 
 /// Segments the couples of both hands. Each hand has its own activities; both share the job.
 ///
-/// A job begins with the first touch or on command. It ends on command; once [`job_matched`](Self::job_matched) was set, with the touch
-/// that begins the next job; and after a *pause*, when no hand has been seen for `idle_end_ms`, if it is matched or if objects have
-/// moved meanwhile. A pause in which every object stays where it is does not end a job: it goes on when the worker is back. Frames
-/// that are missing are no pause. A pause shows that the next job has not begun only as long as the bench is in sight.
+/// A job begins with the first touch or on command. It ends on command, and once
+/// [`job_matched`](Self::job_matched) was set, with the touch that begins the next job. It also ends after a *pause*, when no hand has been seen for
+/// `idle_end_ms`, if it is matched or if objects have moved meanwhile. A pause in
+/// which every object stays where it is does not end a job: it goes on when the worker is back. Frames that are missing are no pause. A pause shows
+/// that the next job has not begun only as long as the bench is in sight.
 #[derive(Clone, Debug)]
 pub struct JobSegmenter {
     hands: [Segmenter; HANDS],
@@ -158,7 +159,7 @@ impl JobSegmenter {
         self.has_lost_object |= before.lacks(Unseen::BENCH) || is_lost;
     }
 
-    /// Since when a hand that was not seen had worked while there was no job, if that has come to an end: a pause, or the end of the recording.
+    /// Since when a hand that was not seen had worked while there was no job, if that has come to an end. It ends with a pause or with the recording.
     /// It is told once.
     pub fn take_unseen(&mut self, has_ended: bool) -> Option<u64> {
         let is_over = self.job.is_none() && (has_ended || self.handless_ns >= self.idle_end_ns);

@@ -13,8 +13,8 @@ const SINGLE_FRAME: f32 = 0.2;
 
 /// The measures of one IU, so far or whole.
 ///
-/// They depend on the position of `o_j` in the frame of reference of `o_l` if there is an `o_l`, else on that of the finger tips on the
-/// bench ([`Couple::position`](crate::couple::Couple::position)).
+/// They depend on the position of `o_j` in the frame of reference of `o_l` if there is one. Else they depend on that of the finger tips on the bench
+/// ([`Couple::position`](crate::couple::Couple::position)).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measures {
     /// How often the motion reversed, that is came back by more than 15 mm, or more than the drift. A stroke lies between two reversals.
@@ -25,13 +25,13 @@ pub struct Measures {
     pub path_m: f32,
     /// How much longer the path is than the straight way from its beginning to where it is now, in metres. It never becomes less.
     pub detour_m: f32,
-    /// How far off the straight line the way of the hand on the bench has led, from where it took `o_j`, or came with it to the `o_l` that it has
-    /// left, to where it is now, in metres. It never becomes less until that way ends, with the time at the next `o_l`.
+    /// The lateral deviation so far, in metres: how far off the straight line the way of the hand on the bench has led. The way begins where the hand
+    /// took `o_j`, or came with it to the `o_l` that it has left. It never becomes less until that way ends, with the time at the next `o_l`.
     pub lateral_m: f32,
     /// In how many frames just before that way the hand was not seen.
     pub unseen_before_way: u32,
-    /// The direction of the path in the plane of `o_l`, weighted by its length, where opposite directions are the same: `cos 2α` and
-    /// `sin 2α` for a path along the angle `α` from the x axis, and shorter the more the path turns. Zero before the first step.
+    /// The direction of the path in the plane of `o_l`, weighted by its length, where opposite directions are the same. It is `cos 2α` and `sin 2α`
+    /// for a path along the angle `α` from the x axis, and shorter the more the path turns. Zero before the first step.
     pub axis: [f32; 2],
     /// Mean position in metres.
     pub place_m: Point,

@@ -10,8 +10,8 @@ use andon_core::input::Space;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// The station's directory must be shorter than this, in characters: iceoryx2 appends the names of its services to it, and
-/// the path of a Unix socket has at most 108 (unix(7)).
+/// The station's directory must be shorter than this, in characters. iceoryx2 appends the names of its services to it, and the path of a Unix socket
+/// has at most 108 (unix(7)).
 pub(super) const ROOT_CHARACTERS: usize = 60;
 
 /// Whether the files that the tools make, the job and the calibration, must exist, and with them the recording that the station plays.

@@ -4,8 +4,8 @@ use super::value::Value;
 
 /// Walks over all keys of the configuration in the order of the reference.
 ///
-/// A section is declared by one function over this trait. The name, the default, the allowed range and the meaning of a key
-/// are therefore written once, and the reference cannot differ from what the reader enforces.
+/// A section is declared by one function over this trait. The name, the default, the allowed range and the meaning of a key are therefore written
+/// once. The reference cannot differ from what the reader enforces.
 pub(super) trait Keys: Sized {
     /// A section `[name]`.
     fn section(&mut self, name: &'static str, meaning: &'static str, keys: impl FnOnce(&mut Self));

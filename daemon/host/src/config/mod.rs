@@ -11,9 +11,8 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 //!
-//! Each key is declared once (`sections`) for a visitor (`keys`): one visitor reads files (`read`), one writes the annotated
-//! reference (`reference`), one writes the configuration in force (`in_force`). What several keys must agree on is in
-//! `check`.
+//! Each key is declared once (`sections`) for a visitor (`keys`). One visitor reads files (`read`), one writes the annotated reference (`reference`),
+//! one writes the configuration in force (`in_force`). What several keys must agree on is in `check`.
 
 mod check;
 mod document;
@@ -86,8 +85,8 @@ impl Config {
         Self::read(paths, Learned::Needed)
     }
 
-    /// As [`Config::load`], for the tools that make the job or the calibration, or read recordings of their own: neither those nor the
-    /// station's own recording need to exist yet.
+    /// As [`Config::load`], for the tools that make the job or the calibration, or read recordings of their own. Neither those nor the station's own
+    /// recording need to exist yet.
     ///
     /// # Errors
     /// As [`Config::load`].

@@ -48,8 +48,8 @@ impl From<Level> for LevelFilter {
 
 /// Starts logging for this process. `role` is `judge` or the name of a tool.
 ///
-/// Under systemd messages go to the journal with the fields `ANDON_CODE`, `ANDON_ROLE`, `ANDON_STATION` and those
-/// of the message; anywhere else as text to standard error, in colour on a terminal.
+/// Under systemd messages go to the journal with the fields `ANDON_CODE`, `ANDON_ROLE`, `ANDON_STATION` and those of the message. Anywhere else they
+/// are text on standard error, in colour on a terminal.
 ///
 /// # Errors
 /// Logging has been started before.
@@ -68,7 +68,7 @@ pub fn start(role: &str, station: &str, level: Level) -> Result<(), TryInitError
     let text = layer()
         .event_format(Text { role: role.to_owned() })
         .with_ansi(std::io::stderr().is_terminal())
-        // A log that cannot be written, as on a full disk, must not end the role: by default this is printed to where it cannot be written.
+        // A log that cannot be written, as on a full disk, must not end the role. By default this is printed to where it cannot be written.
         .log_internal_errors(false)
         .with_writer(std::io::stderr);
     registry.with(text).try_init()

@@ -1,8 +1,8 @@
 //! The life cycle that all roles share: wait, take what has come, work on it, publish, give a sign of life.
 //!
-//! A role is a [`Role`]: it names its ports and says what it does in one turn. [`Cycle::run`] does what no role should do by itself:
-//! it waits, ends when a stop is asked for, measures the steps, counts what comes, goes and is lost, hands the pace of the
-//! source and its end from input to output, and gives the signs of life, which come from this loop and from nowhere else.
+//! A role is a [`Role`]: it names its ports and says what it does in one turn. [`Cycle::run`] does what no role should do by itself. It waits, ends
+//! when a stop is asked for, measures the steps, and counts what comes, goes and is lost. It hands the pace of the source and its end from input to
+//! output. It gives the signs of life, which come from this loop and from nowhere else.
 
 use std::time::{Duration, Instant};
 
@@ -130,8 +130,8 @@ impl<'n> Cycle<'n> {
         }
     }
 
-    /// Gives the signs of life that are due. As often it looks whether the station is still there, also while a turn waits: a player
-    /// waits for the time of its next message in every turn, and in few other places.
+    /// Gives the signs of life that are due. As often it looks whether the station is still there, also while a turn waits. A player waits for the
+    /// time of its next message in every turn, and in few other places.
     fn beat(&mut self) -> Result<(), CycleError> {
         if self.liveness.beat()? {
             self.node.check_root()?;
@@ -239,8 +239,8 @@ impl<'n> Cycle<'n> {
         self.is_at_end = flags & flag::END_OF_STREAM != 0;
     }
 
-    /// Opens what a role needs before its first turn. What may pass, as a folder that is not mounted yet, is tried again and again, with
-    /// signs of life that say so; the log says it once. `None` when a stop was asked for.
+    /// Opens what a role needs before its first turn. What may pass, as a folder that is not mounted yet, is tried again and again, with signs of
+    /// life that say so. The log says it once. `None` when a stop was asked for.
     ///
     /// # Errors
     /// What does not pass.

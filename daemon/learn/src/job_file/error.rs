@@ -23,7 +23,8 @@ pub enum JobFault {
     /// It is something else, such as a film, or was saved in another encoding.
     #[error("{0}; a job file is the .toml that `andond teach` has written")]
     NotText(#[from] NotText),
-    /// The text is not TOML, a key is unknown or missing, or a value has the wrong type: what the parser says, and what to do where that is known.
+    /// The text is not TOML, a key is unknown or missing, or a value has the wrong type. It has what the parser says, and what to do where that is
+    /// known.
     #[error("{0}")]
     Toml(String),
     /// The file has another format.

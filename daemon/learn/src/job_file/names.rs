@@ -1,5 +1,5 @@
-//! What people call the steps of a job. The names stand in a section at the end of the job file that its checksum does not cover, so that a
-//! person may change them: the job, its hash and what a PLC knows of it stay the same.
+//! What people call the steps of a job. The names stand in a section at the end of the job file. Its checksum does not cover that, so that a person
+//! may change them. The job, its hash and what a PLC knows of it stay the same.
 
 use super::JobFile;
 use super::text::{hand_name, others, quoted};

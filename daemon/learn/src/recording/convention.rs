@@ -12,7 +12,7 @@ const STEPS: usize = 8;
 /// So many rotations show their order.
 const ROTATIONS: usize = 20;
 
-/// No hand is as long, from its wrist to the tip of its middle finger, in metres: those of people are at most 0.23 m long.
+/// No hand is as long, from its wrist to the tip of its middle finger, in metres. Those of people are at most 0.23 m long.
 const MAX_HAND_M: f64 = 0.6;
 /// A hand is so many centimetres long at least where it is stretched, and so many millimetres where it is a fist.
 const MIN_HAND_CM: f64 = 2.5;
@@ -24,16 +24,17 @@ const MAX_POINT_M: f64 = 5.0;
 /// A rate may be wrong by this factor before its unit is doubted: what a header says is often the camera's, not the tracker's.
 const MAX_WRONG_RATE: f64 = 4.0;
 
-/// A part that is turned about the bench's normal has no more of a rotation about the other axes: the square of half of a tilt of 11 degrees.
+/// A part that is turned about the bench's normal has no more of a rotation about the other axes than this. It is the square of half of a tilt of 11
+/// degrees.
 const MAX_TILT: f64 = 0.01;
 /// A part is turned so far, by half the angle, that another order of the numbers cannot be meant.
 const MIN_TURN: f64 = 0.2;
-/// Where there is no rotation about the other axes at all, because the tracker knows only the bench's normal, next to no turn is needed: nothing
-/// that is measured keeps to exactly half a turn.
+/// Where there is no rotation about the other axes at all, because the tracker knows only the bench's normal, next to no turn is needed. Nothing that
+/// is measured keeps to exactly half a turn.
 const NO_TILT: f64 = 1e-6;
 const MIN_TURN_WITHOUT_TILT: f64 = 0.005;
 
-/// What lies in a plane and has the same second number, to this many metres, while the third one differs by so much, has its height second.
+/// What lies in a plane and has the same second number, to this many metres, has its height second. The third number then differs by so much.
 const SAME_M: f32 = 0.001;
 const APART_M: f32 = 0.05;
 
@@ -207,7 +208,7 @@ pub(super) fn point(id: u16, point: &[f64; 3]) -> Result<(), TrackFault> {
     if far > MAX_POINT_M { Err(TrackFault::FarPoint(id, far)) } else { Ok(()) }
 }
 
-/// A text with `null` in place of each NaN, which is not JSON but what Python writes where nothing was seen; `None` where there is none.
+/// A text with `null` in place of each NaN, which is not JSON but what Python writes where nothing was seen. `None` where there is none.
 pub(super) fn without_nan(line: &[u8]) -> Result<Option<Vec<u8>>, TrackFault> {
     const GAPS: [&[u8]; 4] = [b"NaN", b"nan", b"-NaN", b"-nan"];
     const INFINITE: [(&[u8], &str); 4] =

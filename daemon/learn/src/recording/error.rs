@@ -73,8 +73,8 @@ pub enum TrackFault {
         "an interaction point of object {0} lies {1} from it: points are in metres, as places are: 100 mm is 0.1"
     )]
     FarPoint(u16, f64),
-    /// Times are in another unit than seconds: the median step, the rate of the header and its step, the unit that makes it, and how many of them a
-    /// second has.
+    /// Times are in another unit than seconds. It has the median step, and the rate of the header with its step. It has the unit, and how many of
+    /// them a second has.
     #[error(
         "t goes on by {0} from frame to frame, and at rate_hz {1} it should by {2:.4}: t is in seconds, and this seems to be in \
          {3}; divide it by {4}"

@@ -1,9 +1,9 @@
 //! Recordings: what was detected, frame by frame, kept in a track file.
 //!
-//! A track file (`.tracks.jsonl`) has one JSON object per line: a header, then one line per frame in the order of time.
-//! [`read`] is a pure function of the bytes; it refuses what it cannot trust and names the file and the line. What other trackers write is read
-//! where it is certain what it means: `null` or NaN for what was not seen, times since 1970, other line ends, a byte order mark. Other units and
-//! another order of a quaternion are refused by their names.
+//! A track file (`.tracks.jsonl`) has one JSON object per line: a header, then one line per frame in the order of time. [`read`] is a pure function
+//! of the bytes; it refuses what it cannot trust and names the file and the line. What other trackers write is read where it is certain what it
+//! means. Such are `null` or NaN for what was not seen, times since 1970, other line ends, a byte order mark. Other units and another order of a
+//! quaternion are refused by their names.
 //!
 //! ```
 //! let text = concat!(

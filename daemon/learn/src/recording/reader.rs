@@ -11,7 +11,7 @@ use andon_core::object::ObjectShape;
 use std::fmt;
 use std::io::{BufRead, Read};
 
-/// Maximum length of a line: 32 objects and two whole hands with 17 digits per number are 12 kB, and there may be unknown keys too.
+/// Maximum length of a line. 32 objects and two whole hands with 17 digits per number are 12 kB, and there may be unknown keys too.
 const MAX_LINE_BYTES: usize = 1 << 20;
 
 /// Maximum coordinate in metres: no bench is wider than a kilometre, and the square of this is far from overflow.

@@ -63,9 +63,9 @@ impl<R: BufRead> Iterator for SeenTracks<R> {
 
 /// The frames of a track file, held back for as long as a place may stand still.
 ///
-/// A frame that repeats the one before, hands and parts, for longer than `blind_ms` was not seen, and neither was a part whose place does, while
-/// the hand that has moved it goes on. Where parts lie still bit for bit by themselves, as those of a simulator without errors, that says nothing,
-/// and all is taken for seen.
+/// A frame that repeats the one before, hands and parts, for longer than `blind_ms` was not seen. Neither was a part whose place does, while the hand
+/// that has moved it goes on. Where parts lie still bit for bit by themselves, as those of a simulator without errors, that says nothing, and all is
+/// taken for seen.
 #[derive(Debug)]
 struct Repeats {
     blind_ns: u64,
@@ -225,7 +225,7 @@ mod tests {
         (0..300).map(&mut frame).collect()
     }
 
-    /// From one frame on, the place of what has this id is that of the frame before, for as many frames; of 0, all that is seen.
+    /// From one frame on, the place of what has this id is that of the frame before, for as many frames. Of 0, all that is seen.
     fn held(frames: &mut [Frame], id: u16, from: usize, count: usize) {
         let last = frames[from - 1].clone();
         for frame in &mut frames[from..from + count] {

@@ -23,8 +23,8 @@ pub fn write<'a>(
     Ok(())
 }
 
-/// Writes a track file frame by frame, with every bit of its numbers: each frame is read back as it was written,
-/// as long as its time is less than a month.
+/// Writes a track file frame by frame, with every bit of its numbers. Each frame is read back as it was written, as long as its time is less than a
+/// month.
 #[derive(Debug)]
 pub struct TrackWriter<W> {
     sink: W,

@@ -130,8 +130,7 @@ impl<'a> Teacher<'a> {
         Bounds { min: if is_taking { 0 } else { min }, max }
     }
 
-    /// Checks that there is a demonstration, and compares each with its own first frame, so that one that cannot be compared is reported with
-    /// its run.
+    /// Checks that there is a demonstration, and compares each with its own first frame. So one that cannot be compared is reported with its run.
     fn check(&mut self, sequence: &Sequence, index: usize) -> Result<(), TeachError> {
         let Teaching { runs, options, .. } = self.shown;
         let iu = &sequence.ius[index];
@@ -150,8 +149,8 @@ impl<'a> Teacher<'a> {
     }
 }
 
-/// What the demonstrations measured of a way at its end, where the IU is a part of one; it ends with the time at the part that it leads to,
-/// unless strokes are made there.
+/// What the demonstrations measured of a way at its end, where the IU is a part of one. It ends with the time at the part that it leads to, unless
+/// strokes are made there.
 fn way(sequence: &Sequence, index: usize) -> Option<&[Measures]> {
     let way = way_of(&sequence.contexts, index)?;
     let [begin, end]: [&ShownIu; 2] = [*way.start(), *way.end()].map(|iu| &sequence.ius[iu]);

@@ -82,7 +82,7 @@ pub(super) fn is_on_the_way(context: Context) -> bool {
     context.is_touch() && !context.is_pair()
 }
 
-/// The IUs of the way to which one of these belongs: the one on the way, and the one at the part that it leads to, if it leads to one.
+/// The IUs of the way to which one of these belongs. They are the one on the way, and the one at the part that it leads to, if it leads to one.
 pub(super) fn way_of(contexts: &[Context], index: usize) -> Option<RangeInclusive<usize>> {
     let begin = [Some(index), index.checked_sub(1)]
         .into_iter()

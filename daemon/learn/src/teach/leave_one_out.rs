@@ -1,6 +1,6 @@
 //! Leaving one run out decides what is law. Every run that is shown is right, so a job accepts each run that it was not taught by, if the others
-//! taught it. Whatever rule rejects a run that was left out is made weaker until it does not, or is no law: pairs, sequences, what is required,
-//! order, measures and motions alike.
+//! taught it. Whatever rule rejects a run that was left out is made weaker until it does not, or is no law. It holds for pairs, sequences, what is
+//! required, order, measures and motions alike.
 //!
 //! The job of the others is taught from the beginning, with where they meet and which pairs count for them. Its verdicts name the rules that are
 //! broken ([`Rule::broken_by`]). These are weakened in the jobs of all others as well, until no run breaks a rule that can be made weaker. Who asks
@@ -39,7 +39,7 @@ struct Fold<'a> {
 
 struct Rejection {
     name: String,
-    /// The rules that it breaks, with where it lies; empty if the others teach no job, or it does something else that they do not know.
+    /// The rules that it breaks, with where it lies. Empty if the others teach no job, or it does something else that they do not know.
     rules: Vec<(Rule, Option<Distribution>)>,
 }
 

@@ -1,13 +1,13 @@
 //! Bounds of the measures of an IU, with a stated rate of false alarms.
 //!
-//! A bound is a prediction interval of Student's t: what one more execution will measure, from the mean of those shown and their spread, pooled
-//! with that of people in general. Lengths are compared by their ratios, because people differ by them.
+//! A bound is a prediction interval of Student's t for what one more execution will measure. It comes from the mean of those shown and their spread,
+//! pooled with that of people in general. Lengths are compared by their ratios, because people differ by them.
 //!
 //! DTW stretches time and forgets size: without measures 4 of 6 strokes were found in 36 %, half the length never. The length of a path
 //! depends on where its part lay. So a detour is told by how much longer the path is than the straight way. It was found in 1 of 15 runs of
 //! motion capture by the path, and in 15 of 15 by the detour.
 //!
-//! The spread of the lateral deviation that people are given in general was chosen knowing the runs of motion capture, so these do not test it.
+//! The spread of the lateral deviation that people are given in general was chosen knowing the runs of motion capture. So these do not test it.
 
 use super::bounds::UNBOUNDED;
 use super::kind::{MotionKind, Strokes, is_on_the_way};
@@ -21,16 +21,16 @@ use andon_core::job::MeasureBounds;
 use andon_core::segment::{MOVED_M, Measures};
 use andon_core::verdict::Measure;
 
-/// How people in general differ: in the logarithm of the length of a stroke, of a path and of a detour, in the number of reversals beside
-/// those at the border, in the axis and in the place in metres. Five simulated people each of three drawn seeds differ (standard deviation, the
-/// median over the IUs of twelve jobs; in brackets runs of motion capture by one person): strokes by 0.11 to 0.18, paths on the way by 0.04 to
-/// 0.11 (0.05) and with strokes by 0.15 to 0.28, detours by 0.02 to 0.10 (0.12) and 0.18 to 0.26, reversals that are counted by 0 to 0.45 with
-/// those at the border, axes by 0.07 to 0.16 (0.24), places by 2 to 8 mm (5 mm).
+/// How people in general differ in the logarithm of the length of a stroke, of a path and of a detour. Also in the number of reversals beside those
+/// at the border, in the axis, and in the place in metres. Five simulated people each of three drawn seeds differ so (standard deviation, the median
+/// over the IUs of twelve jobs). In brackets are runs of motion capture by one person. Strokes differ by 0.11 to 0.18, paths on the way by 0.04 to
+/// 0.11 (0.05) and with strokes by 0.15 to 0.28. Detours differ by 0.02 to 0.10 (0.12) and 0.18 to 0.26, counted reversals by 0 to 0.45 with those at
+/// the border. Axes differ by 0.07 to 0.16 (0.24), places by 2 to 8 mm (5 mm).
 const PRIOR_STROKE: f64 = 0.15;
 pub(super) const PRIOR_PATH: f64 = 0.12;
 const PRIOR_DETOUR: f64 = 0.14;
-/// How people in general differ in the logarithm of a path, of a detour and of the number of reversals at another part where they work by feel and
-/// count no strokes: 0.2 to 0.3 in the median of simulated people who do.
+/// How people in general differ at another part where they work by feel and count no strokes. It is in the logarithm of a path, of a detour and of
+/// the number of reversals. It is 0.2 to 0.3 in the median of simulated people who do.
 const PRIOR_BY_FEEL: f64 = 0.3;
 /// How people in general differ in how far off the straight line their way leads: as a share of how far it does and [`HAND_WIDTH_M`]. It is 0.04
 /// to 0.07 in the median of simulated people, 0.12 in nine of ten IUs, and 0.11 in motion capture.
@@ -39,31 +39,31 @@ const PRIOR_REVERSALS: f64 = 0.2;
 const PRIOR_AXIS: f64 = 0.15;
 const PRIOR_PLACE_M: f64 = 0.008;
 
-/// How often one more right job may break a rule that ends it or calls a step left out: rare beside the stated rate of false alarms, of which
+/// How often one more right job may break a rule that ends it or calls a step left out. It is rare beside the stated rate of false alarms, of which
 /// every pair of parts would take its share. Of 200 jobs it is one.
 pub(super) const RARE: f64 = 0.005;
 
-/// Where a hand comes from and where it goes to may make one reversal more of a repeated motion, or one less: the way out of the contact is
-/// seen to go back before the contact ends, or only after that.
+/// Where a hand comes from and where it goes to may make one reversal more of a repeated motion, or one less. The way out of the contact is seen to
+/// go back before the contact ends, or only after that.
 const BORDER_REVERSALS: u32 = 1;
 
-/// The width of a hand, in metres. A shorter path has no direction, and nobody notices a way that is less straight by this. A way that leads off
-/// the straight line by this differs half as much as it would if people differed only in how much they are inclined to go round.
+/// The width of a hand, in metres. A shorter path has no direction, and nobody notices a way that is less straight by this. At this lateral
+/// deviation, ways differ half as much as if people differed only in how much they go round.
 pub(super) const HAND_WIDTH_M: f64 = 0.1;
 
 /// The length of the axis of strokes below which they are circles: it is 0 for a circle and 1 for a straight line.
 const MAX_ALONG_AXIS: f64 = 0.5;
 
-/// Strokes are counted if this share of the runs has as many. Who makes five or so by feel makes as many in four of five runs by chance as often as
-/// who counts them makes a mistake.
+/// Strokes are counted if this share of the runs has as many. Who makes five or so by feel makes as many in four of five runs by chance. That is as
+/// often as who counts them makes a mistake.
 pub(super) const COUNTED_SHARE: (usize, usize) = (5, 6);
 
 /// Nobody notices a path that is longer by this, in metres.
 const TOLERATED_PATH_M: f64 = 0.05;
 
-/// The share of the job's rate of false alarms that each of the two measures has by which people differ so much that what is wrong is found
-/// only near the limit: strokes half as long, no pause at a part. The five measures without a share of their own have the rest: counts are whole,
-/// so that a stroke less is found at any rate.
+/// The share of the job's rate of false alarms for each of the two measures by which people differ much. With these, what is wrong is found only near
+/// the limit: strokes half as long, no pause at a part. The five measures without a share of their own have the rest: counts are whole, so that a
+/// stroke less is found at any rate.
 const NEAR_SHARE: f64 = 0.35;
 
 /// The share that a way has that leads too far off the straight line.
@@ -105,8 +105,8 @@ impl Rates {
         }
     }
 
-    /// The bounds of reversals and of the measures in metres of one IU. `met_within_m` is how near the runs show its two parts to come, 0 where
-    /// the station says it; `way` is what they measured at the end of the way that the IU is a part of.
+    /// The bounds of reversals and of the measures in metres of one IU. `met_within_m` is how near the runs show its two parts to come, 0 where the
+    /// station says it. `way` is what they measured at the end of the way that the IU is a part of.
     pub(super) fn bounds(
         &self,
         iu: &ShownIu,
@@ -136,8 +136,9 @@ impl Rates {
         (self.reversals(iu, strength(Measure::Strokes)), bounds)
     }
 
-    /// How long an IU at another part may last, in frames; `None` for other IUs: somebody may be quick on the way. It has no maximum where a motion is repeated: strokes are counted, so that their time tells no more than that nobody
-    /// makes them so quickly. The maximum leaves no room for a pause.
+    /// How long an IU at another part may last, in frames; `None` for other IUs: somebody may be quick on the way. It has no maximum where a motion
+    /// is repeated. Strokes are counted, so that their time tells no more than that nobody makes them so quickly. The maximum leaves no room for a
+    /// pause.
     pub(super) fn frames(
         &self,
         iu: &ShownIu,
@@ -178,7 +179,7 @@ impl Rates {
         let (centre, apart) =
             interval(&beyond, PRIOR_REVERSALS, self.reversals, People::IN_GENERAL, strength);
         let [less, more] = [(apart - centre).max(0.0) as u32, (apart + centre).max(0.0) as u32];
-        // Where the runs show no reversal more or less at the border, others may; and a circle has no ends, so that it may have one at each border.
+        // Where the runs show no reversal more or less at the border, others may. A circle has no ends, so that it may have one at each border.
         let border = if usual.min == usual.max || is_round(&iu.measured) { BORDER_REVERSALS } else { 0 };
         let less = less.max(border) + self.uncounted(iu);
         let most = counts(likely.iter().copied()).max;
@@ -197,7 +198,7 @@ impl Rates {
         Bounds { min: shown.min.min(half.max(min.ceil() as u32)), max: shown.max.max(max as u32) }
     }
 
-    /// How many reversals are not counted of the shortest strokes that may be right, where people differ more than people in general: the first and
+    /// How many reversals are not counted of the shortest strokes that may be right, where people differ more than people in general. The first and
     /// the last stroke begin and end in the middle.
     fn uncounted(&self, iu: &ShownIu) -> u32 {
         let is_short = self.people.variety > 1.0 && self.stroke_m(iu, Strength::General).min < 2.0 * MOVED_M;
@@ -322,15 +323,15 @@ pub(super) fn what_was_shown(
     }
 }
 
-/// The reversals of each demonstration. Where some may have been hidden, as many as bring it nearest to the others: a hand that was not seen for
-/// a moment made no fewer strokes.
+/// The reversals of each demonstration. Where some may have been hidden, as many as bring it nearest to the others. A hand that was not seen for a
+/// moment made no fewer strokes.
 pub(super) fn likely_reversals(shown: &[Measures]) -> impl Iterator<Item = u32> + Clone {
     let seen: Vec<f64> = shown.iter().map(|measures| f64::from(measures.reversals)).collect();
     let usual = median(&seen) as u32;
     shown.iter().map(move |of| usual.clamp(of.reversals, of.reversals.saturating_add(of.hidden_reversals)))
 }
 
-/// The number of reversals of most demonstrations, and the one beside it that others have if there are such: these make as many strokes, and only
+/// The number of reversals of most demonstrations, and the one beside it that others have if there are such. These make as many strokes, and only
 /// where the hand comes from or goes to makes one reversal more.
 fn usual_reversals(likely: &[u32]) -> Bounds {
     let of = |min: u32| likely.iter().filter(move |count| (min..=min + BORDER_REVERSALS).contains(*count));
@@ -374,8 +375,8 @@ pub(super) fn narrower_with_more(runs: usize, more: usize, false_alarms: f64) ->
     1.0 - width(runs + more) / width(runs)
 }
 
-/// The centre of these values, and how far from it one more may lie at this rate of false alarms, or farther where a run that was left out has shown
-/// that. `prior` is the spread of people in general.
+/// The centre of these values, and how far from it one more may lie at this rate of false alarms. It may lie farther where a run that was left out
+/// has shown that. `prior` is the spread of people in general.
 pub(super) fn interval(
     values: &[f64],
     prior: f64,

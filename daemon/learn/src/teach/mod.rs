@@ -3,10 +3,10 @@
 //! [`teach`] lists the stages, and [`Teaching`] has a method for each: the runs go through them once, in this order. What asks for less runs a
 //! part of the same list: [`with_learned_contacts`], [`teach_again`], and leaving one run out, which teaches with the others.
 //!
-//! Contexts give the nominal activities ([`Disagreement`] says where a run differs), DBA the reference of each IU, a
-//! [`ThresholdRule`](crate::rule::ThresholdRule) its threshold, and a [`BoundsRule`](crate::rule::BoundsRule) the bounds of duration and of the
-//! other measures. The same runs give the same job, byte for byte. What speaks against learning from the runs is found in [`trust`] and said in
-//! the report.
+//! Contexts give the nominal activities ([`Disagreement`] says where a run differs) and DBA the reference of each IU. A
+//! [`ThresholdRule`](crate::rule::ThresholdRule) gives its threshold, and a [`BoundsRule`](crate::rule::BoundsRule) the bounds of duration and of the
+//! other measures. The same runs give the same job, byte for byte. What speaks against learning from the runs is found in [`trust`] and said in the
+//! report.
 
 mod bounds;
 mod contact_regions;
@@ -55,7 +55,7 @@ use trust::{Odd, odd_runs, too_few_frames, without_copies};
 /// Teaches a job from correct runs of it.
 ///
 /// # Errors
-/// If there is no run, if the runs have nothing in common, if the job exceeds a capacity, or if an option is out of its range.
+/// If there is no run or the runs have nothing in common. If the job exceeds a capacity, or an option is out of its range.
 pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachReport), TeachError> {
     options.check()?;
     let mut teaching = Teaching::new(runs.to_vec(), options);

@@ -35,9 +35,8 @@ pub(super) fn write(ius: &[IuReport], rate_hz: f32, f: &mut fmt::Formatter<'_>) 
     Ok(())
 }
 
-/// What would be noticed of an IU: strokes, seconds, the length of the path and how far off the
-/// straight line it leads, the length of strokes, place and axis. `None` where nothing was
-/// measured.
+/// What would be noticed of an IU: strokes, seconds, the length of strokes, place and axis. It has also the length of the path and how far off the
+/// straight line it leads. `None` where nothing was measured.
 pub(super) fn cells(iu: &TaughtIu, rate_hz: f32) -> Option<[String; 7]> {
     let shown = iu.measures.shown?;
     let right = Right::of(iu, rate_hz);

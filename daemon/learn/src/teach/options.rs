@@ -182,7 +182,7 @@ pub enum TeachError {
         /// Where each run differs, in words.
         differences: Vec<String>,
     },
-    /// No run shows an IU well enough: the index of its activity in the job and its own in that, from 1, and its context in words.
+    /// No run shows an IU well enough. It has the index of its activity in the job and its own in that, from 1, and its context in words.
     #[error(
         "step {0}, IU {1} ({2}) was not seen well enough in any run: see that hand and parts stay in view, with at least half \
          of the frames"

@@ -1,10 +1,10 @@
-//! Which pairs of parts count. That two parts come near each other means something only where the runs agree that it does: two that are both
-//! at a third one meet by chance, now this one nearer and now that.
+//! Which pairs of parts count. That two parts come near each other means something only where the runs agree that it does. Two that are both at a
+//! third one meet by chance, now this one nearer and now that.
 //!
-//! The pairs are chosen by minimum description length (Rissanen 1978): the sequences of all steps and the pairs that do not count are described
-//! together in as few bits as possible. A pair that counts is spelled once in each different sequence that it makes. Each contact of a pair that
-//! does not count is told by where in the sequence of its run it begins and ends. So a contact that all runs share is cheaper as a part of the
-//! job, and one that is now here and now there is cheaper as chance.
+//! The pairs are chosen by minimum description length (Rissanen 1978). The sequences of all steps and the pairs that do not count are described
+//! together in as few bits as possible. A pair that counts is spelled once in each different sequence that it makes. Each contact of a pair that does
+//! not count is told by where in the sequence of its run it begins and ends. So a contact that all runs share is cheaper as a part of the job. One
+//! that is now here and now there is cheaper as chance.
 
 use super::leave_one_out::MIN_RUNS;
 use super::{TeachError, encoded_with, sequence};
@@ -48,8 +48,8 @@ struct Tried {
     runs: Vec<Run>,
 }
 
-/// The shortest of these descriptions. Of two parts at a third one, either may seem to be what the other is at: of descriptions without a pair that
-/// shares a part with that of the shortest one, the one decides in which parts move least along what they touch.
+/// The shortest of these descriptions. Of two parts at a third one, either may seem to be what the other is at. Then descriptions without a pair that
+/// shares a part with that of the shortest one are compared. The one decides in which parts move least along what they touch.
 fn shortest(tried: Vec<Tried>) -> Option<Tried> {
     let [one, other] = tried.iter().min_by(|one, other| one.bits.total_cmp(&other.bits))?.pair;
     let shares = |tried: &Tried| tried.pair.contains(&one) || tried.pair.contains(&other);

@@ -14,7 +14,7 @@ use crate::recording::person_of;
 use crate::run::{Iu, Run};
 use crate::statistics::{chi_squared, mean};
 
-/// How people differ, and how one person does from run to run: the standard deviation of the logarithm of the pace and of the length of
+/// How people differ, and how one person does from run to run. It is the standard deviation of the logarithm of the pace and of the length of
 /// strokes.
 const BETWEEN_PEOPLE: f64 = 0.14;
 const BETWEEN_RUNS: f64 = 0.08;
@@ -31,19 +31,20 @@ pub(super) const IN_GENERAL: f64 = BETWEEN_RUNS * BETWEEN_RUNS + BETWEEN_PEOPLE 
 /// The share of it that is between the runs of one of them.
 pub(super) const OF_ONE_PERSON: f64 = BETWEEN_RUNS * BETWEEN_RUNS / IN_GENERAL;
 
-/// How sure it must be that these people differ more than people in general do before they count for more. People in general are taken for
-/// such ones by chance as seldom as that, and their bounds then let half of the faults pass that they would find.
+/// How sure it must be that these people differ more than people in general do before they count for more. People in general are taken for such ones
+/// by chance as seldom as that. Their bounds then let half of the faults pass that they would find.
 const CONFIDENCE: f64 = 0.99;
 
-/// The upper confidence bound of the variance ratio that people who do differ more are taken to have. Runs that stand out are not learnt from, so that what is
-/// left is more alike than people are: of groups who differ three times as much, the accepted ones seem to differ 2.2 times as much.
+/// The upper confidence bound of the variance ratio that people who do differ more are taken to have. Runs that stand out are not learnt from, so
+/// that what is left is more alike than people are. Of groups who differ three times as much, the accepted ones seem to differ 2.2 times as much.
 const UPPER_CONFIDENCE: f64 = 0.9;
 
 /// What the runs tell of the people who showed them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct People {
-    /// How probable it is that one person showed all the runs: as the names of the files say it (`p<person>_...`), or else as the runs agree
-    /// in their pace, in the length of their strokes and in their time at other parts; both may be expected where nothing is known.
+    /// How probable it is that one person showed all the runs. The names of the files say it (`p<person>_...`), or else the runs do by how they
+    /// agree. They are compared in their pace, in the length of their strokes and in their time at other parts. Both may be expected where nothing is
+    /// known.
     pub(super) one_person: f64,
     /// How many times as much as people in general they differ at most: 1 unless it is sure that it is more.
     pub(super) variety: f64,
@@ -88,7 +89,7 @@ pub(super) fn border_frames(rate_hz: f32) -> f64 {
     BORDER_S * f64::from(rate_hz)
 }
 
-/// The standard deviation that these deviations come from at most, as a multiple of that of people in general, and its degrees of freedom; 1 where
+/// The standard deviation that these deviations come from at most, as a multiple of that of people in general, and its degrees of freedom. 1 where
 /// chance may explain that it is more.
 fn variety(deviations: &[Vec<f64>]) -> (f64, f64) {
     let freedom = deviations.iter().map(|of_one| of_one.len().saturating_sub(1)).sum::<usize>() as f64;
@@ -107,7 +108,7 @@ fn evidence_of_one(deviations: &[f64]) -> f64 {
     -freedom / 2.0 * OF_ONE_PERSON.ln() - squares / 2.0 * (1.0 / OF_ONE_PERSON - 1.0)
 }
 
-/// By how much each run exceeds the others in something, as the mean over the IUs in which it was measured, in its logarithm and as a multiple of
+/// By how much each run exceeds the others in something, as the mean over the IUs in which it was measured. It is of its logarithm, as a multiple of
 /// the standard deviation of people in general. `tells` is whether that tells anything of people where this is done.
 fn deviations(
     runs: &[Run],

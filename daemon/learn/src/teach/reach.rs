@@ -1,5 +1,5 @@
-//! How far apart two objects may go before their contact has ended, where people differ more than they do in general: who makes strokes as long
-//! as may be right does not leave the other part.
+//! How far apart two objects may go before their contact has ended, where people differ more than they do in general. Who makes strokes as long as
+//! may be right does not leave the other part.
 
 use super::measures::Rates;
 use super::people::People;
@@ -15,8 +15,8 @@ use andon_core::object::Meeting;
 /// The shares of the missing reach that are tried, one after the other.
 const TRIED_SHARES: [f32; 3] = [1.0, 0.5, 0.25];
 
-/// The runs, with contacts that last for strokes of any right length where their people differ more than they do in general, and what they then
-/// have in common; `None` where nothing is widened.
+/// The runs, with contacts that last for strokes of any right length where their people differ more than they do in general. It also has what they
+/// then have in common. `None` where nothing is widened.
 ///
 /// # Errors
 /// If the objects cannot be used.
@@ -54,9 +54,9 @@ fn steps(agreement: &Agreement) -> impl Iterator<Item = (u16, &[Context])> {
     agreement.sequences.iter().map(|step| (step.activity, step.contexts.as_slice()))
 }
 
-/// How far apart the two parts of an IU may go in strokes of any right length, as far as the demonstrations tell: at either end of a stroke
-/// that is longer by some way, they are farther apart by no more than half of that. What is twice as long as any that was shown is not the same
-/// motion. In metres.
+/// How far apart the two parts of an IU may go in strokes of any right length, as far as the demonstrations tell. At either end of a stroke that is
+/// longer by some way, they are farther apart by no more than half of that. What is twice as long as any that was shown is not the same motion. In
+/// metres.
 fn reach_m(runs: &[Run], iu: &ShownIu, rates: &Rates) -> Option<f32> {
     let shown_m = iu.measured.iter().filter_map(|measures| measures.stroke_m);
     let longest_m = rates.longest_stroke_m(iu)?.min(2.0 * shown_m.reduce(f32::max)?);

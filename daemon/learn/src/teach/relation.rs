@@ -1,10 +1,10 @@
 //! The order of a job as a partial one: what stands before what in all runs, and whether that is enough evidence for a law.
 //!
-//! Every run that was shown is right. A before B is law where all runs that have both agree, and the gap between them is safely large: its
-//! mean over the runs is large enough ([`margin`]) on the clock with the least spread for its size. Those clocks are the sequence of the one hand that
-//! does both, the sequence of the job for what one hand does too, and time. Between two hands only time counts, and hands that begin within a
-//! few seconds of each other show nothing: a person does not mind which is first. What all runs agree on without that evidence is a usage:
-//! another order is a note.
+//! Every run that was shown is right. A before B is law where all runs that have both agree, and the gap between them is safely large. Its mean over
+//! the runs is large enough ([`margin`]) on the clock with the least spread for its size. Those clocks are the sequence of the one hand that does
+//! both, the sequence of the job for what one hand does too, and time. Between two hands only time counts, and hands that begin within a few seconds
+//! of each other show nothing. A person does not mind which is first. What all runs agree on without that evidence is a usage: another order is a
+//! note.
 //!
 //! Two unrelated steps come in the same order in all `n` runs with a probability of `2^(1-n)`, so one run shows no order at all.
 
@@ -103,8 +103,8 @@ fn allows_insertions(step: usize, agreement: &Agreement) -> bool {
         .any(|sequence| usize::from(sequence.activity) == step && sequence.allows_insertions)
 }
 
-/// The sequences that do only a part of what other runs do in one, where this step is the rest or a part of it: whoever lets go in the middle
-/// does two steps.
+/// The sequences that do only a part of what other runs do in one, where this step is the rest or a part of it. Whoever lets go in the middle does
+/// two steps.
 fn completed_by(step: usize, agreement: &Agreement) -> Vec<u16> {
     let sequences = &agreement.sequences;
     let of_step = |sequence: &&Sequence| usize::from(sequence.activity) == step;
@@ -175,7 +175,7 @@ fn between_hands(begins: &[f64], ends: &[f64], is_shared: bool, quantile: f64) -
     }
 }
 
-/// By how much the mean of these gaps exceeds the least one with which the next gap is positive too, at this quantile of Student's t.
+/// By how much the mean of these gaps exceeds the least one with which the next gap is positive too. It is that of this quantile of Student's t.
 fn margin(gaps: &[f64], quantile: f64) -> f64 {
     let spread = deviation(gaps, 1).max(MIN_DEVIATION) * (1.0 + 1.0 / gaps.len() as f64).sqrt();
     mean(gaps) - quantile * spread
@@ -189,8 +189,8 @@ fn is_shared(both: &[(&Occurrence<'_>, &Occurrence<'_>)]) -> bool {
     both.iter().all(|(a, b)| !parts(a).is_disjoint(&parts(b)))
 }
 
-/// Whether a second time has no place for this step: all runs have it and no run has it again, and law orders it with every other step of its
-/// hand, of which there is one at least.
+/// Whether a second time has no place for this step. All runs have it and no run has it again. Law orders it with every other step of its hand, of
+/// which there is one at least.
 fn has_its_place(index: usize, steps: &[TaughtStep], agreement: &Agreement) -> bool {
     let hand = |step: usize| agreement.keys[step].opening[0];
     let mut others =

@@ -13,16 +13,16 @@ const MIN_HZ: f32 = 1.0;
 /// Shares of the frames that are tried before every second, third, fourth frame and so on: numerator and denominator.
 const FRACTIONS: [[u32; 2]; 3] = [[5, 6], [3, 4], [2, 3]];
 
-/// The share that is tried where no smaller one is enough: no camera delivers every frame, and a job that needed each would not be judged for the
+/// The share that is tried where no smaller one is enough. No camera delivers every frame, and a job that needed each would not be judged for the
 /// loss of one.
 const NEARLY_ALL: [u32; 2] = [19, 20];
 
 /// One in this number of thinned runs may fail to be judged: what a run itself hides may lie where a frame is left out.
 const RUNS_PER_FAILURE: usize = 10;
 
-/// Thins the runs to fewer and fewer frames, beginning with each possible frame, until one of them is segmented in another way or accused, or
-/// several are not judged. The last rate before that is what the job needs. Runs that are not right with all their frames say nothing;
-/// where none is right, the job needs all frames.
+/// Thins the runs to fewer and fewer frames, beginning with each possible frame. It ends when one of them is segmented in another way or accused, or
+/// several are not judged. The last rate before that is what the job needs. Runs that are not right with all their frames say nothing; where none is
+/// right, the job needs all frames.
 pub(super) fn needed_rate_hz(runs: &[&Run], job: &JobFile) -> f32 {
     let rate_hz = job.method.rate_hz;
     // Nothing is asked of the rate while it is measured.

@@ -1,10 +1,10 @@
 //! What the runs have in common: the steps of the job, found from the contexts alone.
 //!
-//! A *step* is what a hand does with the object that it takes first: it has that hand, that object, and the number of earlier activities of
-//! the run with the same two. Where no run has both hands at an object, the hand is the one that most runs use: the other one does the same
-//! step. A hand that touches something without moving it is at a step only if all runs have that; otherwise it rests or steadies.
-//! Within a step the most common sequence of contexts is nominal, and another sequence that enough runs have is a variant. A run that does a
-//! step in another way is left out, and so is one that lacks most of what most runs do.
+//! A *step* is what a hand does with the object that it takes first. It has that hand, that object, and the number of earlier activities of the run
+//! with the same two. Where no run has both hands at an object, the hand is the one that most runs use: the other one does the same step. A hand that
+//! touches something without moving it is at a step only if all runs have that; otherwise it rests or steadies. Within a step the most common
+//! sequence of contexts is nominal, and another sequence that enough runs have is a variant. A run that does a step in another way is left out, and
+//! so is one that lacks most of what most runs do.
 //!
 //! A hand that is seen to let go in the middle makes two steps of one. One sequence of a step may be the beginning of another, and a later
 //! step the remainder of that. The later step is then required after the short one (`completes` in the job file). Without this, one half
@@ -187,8 +187,8 @@ fn side_of(hand: u16) -> Side {
     if hand == Side::Left as u16 { Side::Left } else { Side::Right }
 }
 
-/// Finds what the runs have in common. Where no run may be left out for the sequence of a step, because the strengths or two runs say so, the step
-/// is what all its sequences have in common.
+/// Finds what the runs have in common. No run may be left out for the sequence of a step where the strengths or two runs say so. Then the step is
+/// what all its sequences have in common.
 pub(super) fn agree(runs: &[Run], strengths: &Strengths) -> Agreement {
     let steps = Steps::of(runs);
     let (all, mut sequences) = (steps.in_order(), steps.sequences());
@@ -238,7 +238,7 @@ pub(super) fn agree(runs: &[Run], strengths: &Strengths) -> Agreement {
     }
 }
 
-/// The length in bits of a description of what the runs do: each different sequence of a step is spelled once, and each run says which of them it
+/// The length in bits of a description of what the runs do. Each different sequence of a step is spelled once, and each run says which of them it
 /// has, if it has the step.
 pub(super) fn description_bits(runs: &[Run]) -> f64 {
     let steps = Steps::of(runs);
@@ -412,8 +412,8 @@ impl<'a> Steps<'a> {
         Some(common[first..].to_vec())
     }
 
-    /// The first point at which a run does a step in a way that is nominal in no run, or the first common step that it lacks, if it lacks
-    /// most of them.
+    /// The first point at which a run does a step in a way that is nominal in no run. If it lacks most of the common steps, it is the first one that
+    /// it lacks.
     fn disagreement(
         &self,
         run: usize,
@@ -457,7 +457,7 @@ fn longest_common_subsequence(one: &[Context], other: &[Context]) -> Vec<Context
     longest.pop().unwrap_or_default()
 }
 
-/// The hand that acts on an object first in an activity, for objects at which no run has both hands: the one that most activities have.
+/// The hand that acts on an object first in an activity, for objects at which no run has both hands. The one that most activities have.
 fn hands(runs: &[Run], is_kept: &impl Fn(usize, usize) -> bool) -> BTreeMap<u16, Side> {
     let mut counts: BTreeMap<u16, [usize; 2]> = BTreeMap::new();
     let mut by_both = Vec::new();

@@ -1,8 +1,9 @@
 //! Where parts lie before the job moves them for good. A part that still lies there shows that the activities which move it have not been
 //! done, whatever was not seen of the hands.
 //!
-//! A part counts only if the runs put it down far enough away, and if it has a place of its own, to which they put it back. It may come to lie at its first place again in one of 200 jobs at most.
-//! Before, 8 of 140 right jobs ended in their middle, because a tool was put down 3 cm from its first place.
+//! A part counts only if the runs put it down far enough away. It must have a place of its own, to which they put it back. It may come to lie at its
+//! first place again in one of 200 jobs at most. Before, 8 of 140 right jobs ended in their middle, because a tool was put down 3 cm from its first
+//! place.
 
 use super::contact_regions::{PUT_BACK_M, PUT_DOWN_M};
 use super::measures::{RARE, interval};
@@ -65,7 +66,7 @@ fn start_of(id: u16, runs: &[Run], agreement: &Agreement, space: Space) -> Optio
     (place.max <= PUT_BACK_M && !moved_by.is_empty()).then_some((place, moved_by))
 }
 
-/// How near its place an object comes after this activity, in metres; `None` if that does not act on it, or it is not seen any more.
+/// How near its place an object comes after this activity, in metres. `None` if that does not act on it, or it is not seen any more.
 fn away_m(id: u16, run: &Run, activity: &Activity, place: &Around<3>, space: Space) -> Option<f64> {
     if !acts_on(activity, id) {
         return None;

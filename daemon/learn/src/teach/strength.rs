@@ -4,7 +4,7 @@ use andon_core::couple::Context;
 use andon_core::verdict::{Level, Measure, OrderFault, Outcome, Reason, Verdict};
 use std::collections::BTreeMap;
 
-/// A step of a job, whatever its number there is: the hand and the object that it begins with, and how many steps before it begin so.
+/// A step of a job, whatever its number there is. The hand and the object that it begins with, and how many steps before it begin so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct StepKey {
     pub(super) opening: [u16; 2],
@@ -41,7 +41,7 @@ pub(super) enum Strength {
     None,
 }
 
-/// What a bound is widened by each time that a run that was left out still lies beyond it. In smaller steps each run costs more judgements; where one
+/// What a bound is widened by each time that a run that was left out still lies beyond it. In smaller steps each run costs more judgements. Where one
 /// run of seven made strokes of 8.7 cm against a bound of 8.4 cm, one step was enough.
 const WIDENING_STEP: f64 = 1.25;
 

@@ -21,18 +21,18 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
-/// The root mean square, per frame, of the distance of a correct execution from its reference, used where a single demonstration gives no
-/// spread. On the simulated people of the development seeds 1 to 6, taught by one run, 0.9 finds 11 of 18 correct jobs of other people
-/// anomalous, 1.2 none of them but 10 of 18 with a hesitation, 1.5 none at all; each of the three finds all flawed jobs
-/// (`simulate floor-measure`).
+/// The root mean square, per frame, of the distance of a correct execution from its reference, used where a single demonstration gives no spread. It
+/// was measured on the simulated people of the development seeds 1 to 6, taught by one run. 0.9 finds 11 of 18 correct jobs of other people
+/// anomalous. 1.2 finds none of them but 10 of 18 with a hesitation, and 1.5 none at all. Each of the three finds all flawed jobs (`simulate
+/// floor-measure`).
 const SINGLE_DEMONSTRATION_PER_FRAME: f64 = 1.5;
 
 /// How the distances of the demonstrations of an IU differ in general, as a share of their mean. It was 0.28 on average in jobs that three to
 /// five runs of one real person taught, 0.29 to 0.48 with simulated people.
 const PRIOR_SPREAD: f64 = 0.3;
 
-/// Another person's distance is greater than that of whom the reference is from: the variance between people is about that between the runs
-/// of one of them.
+/// Another person's distance is greater than that of whom the reference is from. The variance between people is about that between the runs of one of
+/// them.
 const BETWEEN_PEOPLE_FACTOR: f64 = std::f64::consts::SQRT_2;
 
 /// Squared local cost of a frame in the opposite direction, under both costs: the square of the diameter of the unit circle.

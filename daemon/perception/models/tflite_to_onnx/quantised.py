@@ -15,7 +15,8 @@ from .graph import Graph, permuted, translate
 
 # Convolutions at the beginning that stay as they are: they see the finest detail, and nine tenths of the error came from them.
 EXACT = 6
-# The last one: nobody rounds what it gives, so that ONNX Runtime would take rounded weights back to floats in every run, for a tenth of the time.
+# The last one is left out. Nobody rounds what it gives, so ONNX Runtime would take rounded weights back to floats in every run, for a tenth of the
+# time.
 LAST = 47
 _MAX_WEIGHT = 64
 _MAX_BYTE = 255

@@ -1,8 +1,8 @@
 //! From pixels to metres on the bench.
 //!
-//! A marker of known size gives its own scale, so that its height does not move it sideways: `x = (u - c_x) side / side_px`.
-//! A hand has no known size. It takes the scale of the things next to it: where it touches a thing, it is at the same height,
-//! and hand and thing are compared on one scale.
+//! A marker of known size gives its own scale, so that its height does not move it sideways: `x = (u - c_x) side / side_px`. A hand has no known
+//! size. It takes the scale of the things next to it. Where it touches a thing, it is at the same height, and hand and thing are compared on one
+//! scale.
 
 mod calibration;
 mod error;
@@ -112,8 +112,8 @@ impl Bench {
         Ok(())
     }
 
-    /// Prepares the plane for pictures of this size. Without a calibration its scale is that of the first markers and is kept:
-    /// nearness is relative to it, and it is the same for everything.
+    /// Prepares the plane for pictures of this size. Without a calibration its scale is that of the first markers and is kept. Nearness is relative
+    /// to it, and it is the same for everything.
     fn prepare_plane(
         &mut self,
         width: usize,
@@ -202,7 +202,7 @@ impl Bench {
     }
 }
 
-/// The parallel plane on which the object of known size that is farthest from the camera, and so nearest to the bench, has its own size.
+/// The parallel plane on which the object of known size that is farthest from the camera has its own size. That one is nearest to the bench.
 fn parallel_plane(width: usize, height: usize, objects: &[SeenObject]) -> Option<Plane> {
     // On a plane of one metre per pixel a side in metres is the side in pixels.
     let unscaled = Plane::parallel(width, height, 1.0);

@@ -12,8 +12,8 @@ impl Nearness {
         Self(measured)
     }
 
-    /// Takes a measurement in. A deviation within the noise hardly moves the value, so that a thing at rest stays at rest; a
-    /// larger one is followed at once, so that a thing that is lifted does not lag.
+    /// Takes a measurement in. A deviation within the noise hardly moves the value, so that a thing at rest stays at rest. A larger one is followed
+    /// at once, so that a thing that is lifted does not lag.
     pub(crate) fn settle(&mut self, measured: f64) {
         let deviation = measured - self.0;
         let (signal, noise) = (deviation * deviation, NOISE * NOISE);

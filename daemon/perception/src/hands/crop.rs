@@ -1,7 +1,7 @@
 //! Samples a region of the picture into the input of a model.
 //!
-//! Where the region is much larger than the input, it is first shrunk by averaging: each pixel of the input is then the mean of
-//! all that it stands for. Picked out one by one, pixels would bring their noise with them, and the models find no hand in it.
+//! Where the region is much larger than the input, it is first shrunk by averaging. Each pixel of the input is then the mean of all that it stands
+//! for. Picked out one by one, pixels would bring their noise with them, and the models find no hand in it.
 
 use super::region::Region;
 use crate::error::{PerceptionError, while_doing};
@@ -10,8 +10,8 @@ use crate::pixel_format::PixelFormat;
 use opencv::core::{self, Mat, Rect, Scalar, Size, ToInputArray};
 use opencv::{imgproc, prelude::*};
 
-/// Up to this step, in pixels of the picture, sampling between four pixels averages as much noise away as the mean over a step would,
-/// and at half the cost; beyond it, pixels are skipped.
+/// Up to this step, in pixels of the picture, sampling between four pixels averages as much noise away as the mean over a step would. It costs half
+/// as much. Beyond it, pixels are skipped.
 const SKIPS: f32 = 1.5;
 
 /// Twice the largest picture. OpenCV counts places in 1/1024 of a pixel, in 32 bits.

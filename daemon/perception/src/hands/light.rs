@@ -1,10 +1,10 @@
 //! Brightens the input of a model where the picture is dark.
 //!
-//! The models were trained on ordinary photographs. In a dark one the hand and the bench lie a few grey levels apart, and the
-//! models lose the hand although a person still sees it.
+//! The models were trained on ordinary photographs. In a dark one the hand and the bench lie a few grey levels apart. The models lose the hand
+//! although a person still sees it.
 
-/// An input whose bright tenth lies below this, of 1, is dark. In ordinary pictures of a bench it is at 0.35 to 0.6: a hand
-/// fills more than a tenth of its own region, and skin in good light is a middle grey at least.
+/// An input whose bright tenth lies below this, of 1, is dark. In ordinary pictures of a bench it is at 0.35 to 0.6. A hand fills more than a tenth
+/// of its own region, and skin in good light is a middle grey at least.
 const DARK: f32 = 0.3;
 /// The share of the pixels that are brighter: less than a hand fills, and more than the white of a marker does.
 const BRIGHT_SHARE: f32 = 0.1;

@@ -7,11 +7,11 @@ use crate::error::PerceptionError;
 use crate::image::ImageView;
 use std::time::Instant;
 
-/// Below this probability of the side that a hand has, its landmarks may be those of the other side: from above, the back of a right
-/// hand and the palm of a left one have the same outline, with the fingers in the opposite order.
+/// Below this probability of the side that a hand has, its landmarks may be those of the other side. From above, the back of a right hand and the
+/// palm of a left one have the same outline. Their fingers are in the opposite order.
 const SURE_OF_SIDE: f32 = 0.8;
-/// The regions in which the hand is looked at again then, as shares of the one in which it was expected: the nearer, the more of its
-/// fingers the model sees.
+/// The regions in which the hand is looked at again then, as shares of the one in which it was expected. The nearer they are, the more of its fingers
+/// the model sees.
 const NEARER: [f32; 2] = [0.9, 0.8];
 
 /// Looks with a model of its own, so that two hands are looked at side by side.
@@ -52,8 +52,8 @@ impl<L: LandmarkModel> Look<L> {
         self.nearer(image, region, evidence, seen)
     }
 
-    /// What is seen of a hand where it is looked at nearer, if what was seen in its region is not sure to be of its side. The first look
-    /// stays the evidence for the side: of several, the one that agrees would always be found.
+    /// What is seen of a hand from nearer, if it is not sure to be of its side in its region. The first look stays
+    /// the evidence for the side: of several, the one that agrees would always be found.
     ///
     /// # Errors
     /// [`PerceptionError::Inference`].

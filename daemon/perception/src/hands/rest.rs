@@ -11,10 +11,10 @@ const COLUMNS: usize = 32;
 const ROWS: usize = 24;
 /// Rows of pixels that are read of each block. At 640 x 480 pixels they hold 300 numbers, which leave a 17th of the noise of each.
 const ROWS_OF_BLOCK: usize = 5;
-/// A block has changed when its mean has by more than this, in grey levels: a hand that is 40 levels brighter or darker than the bench does
-/// it with a 25th of the block. Noise of more than 5 levels does it as well, and then every frame is searched.
+/// A block has changed when its mean has by more than this, in grey levels. A hand that is 40 levels brighter or darker than the bench does it with a
+/// 25th of the block. Noise of more than 5 levels does it as well, and then every frame is searched.
 const CHANGED: f32 = 1.5;
-/// So many searches, one after the other, must have found nothing: a hand that is there and hard to see is found in one of them.
+/// So many searches, one after the other, must have found nothing. A hand that is there and hard to see is found in one of them.
 const EMPTY_SEARCHES: u32 = 10;
 
 /// What a bench without hands looks like.

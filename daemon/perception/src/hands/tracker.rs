@@ -20,8 +20,7 @@ const SAME_HAND: f32 = 0.5;
 const REMEMBERED_NS: u64 = 1_000_000_000;
 /// Minimum overlap of the old region and the new one: a hand at 1 m/s has left its region within `REMEMBERED_NS`.
 const REMEMBERED_OVERLAP: f32 = 0.1;
-/// Maximum shift of a hand's region from one frame to the next, as a share of its side: 2 m/s at 30 fps, for a region of
-/// 0.3 m, are 0.22.
+/// Maximum shift of a hand's region from one frame to the next, as a share of its side. 2 m/s at 30 fps, for a region of 0.3 m, are 0.22.
 const MAX_SHIFT: f32 = 0.5;
 /// Maximum factor by which its side changes from one frame to the next: an opening fist changes by 1.3.
 const MAX_GROWTH: f32 = 1.6;
@@ -61,8 +60,8 @@ pub(crate) struct Tracker<P, L> {
     previous_ns: Option<u64>,
     frames_since_search: u32,
     rest: Rest,
-    /// Whether a search has begun beside the followed hands. The next frame takes what it has found, and waits for it where it must: the
-    /// same frames give the same hands however fast the machine is.
+    /// Whether a search has begun beside the followed hands. The next frame takes what it has found, and waits for it where it must. The same frames
+    /// give the same hands however fast the machine is.
     is_searching: bool,
 }
 
@@ -210,8 +209,8 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
             .any(|side| self.tracks.iter().all(|track| track.evidence.side() != Some(*side)))
     }
 
-    /// Whether palm detection may have to run: a wanted hand is missing, and no hand is followed, one was just lost, or the pause
-    /// since the last search is over.
+    /// Whether palm detection may have to run. A wanted hand is missing, and no hand is followed, one was just lost, or the pause since the last
+    /// search is over.
     fn must_search(&self, followed: usize) -> bool {
         let lost_now = self.tracks.len() < followed;
         let is_due = self.frames_since_search >= self.config.search_every_frames;

@@ -18,12 +18,12 @@ pub(super) struct Reading {
 }
 
 impl Reading {
-    /// For a single picture. OpenCV's own threshold, which takes three times as long, and only the middle of each module: where the lens is not
+    /// For a single picture. OpenCV's own threshold, which takes three times as long, and only the middle of each module. Where the lens is not
     /// focused, its neighbours shine into the rest.
     pub(super) const PATIENT: Self =
         Self { windows: [3, 23, 10], constant: 7.0, module_px: 8, module_margin: 0.3 };
 
-    /// For a running line: one window, of 13 pixels, which is twice to four times a module of the markers that are read here (3 to 7 pixels, see
+    /// For a running line: one window of 13 pixels. It is twice to four times a module of the markers that are read here (3 to 7 pixels, see
     /// `Markers::find`). Modules are read as OpenCV does by default.
     pub(super) const fn quick(constant: f64) -> Self {
         // With one window the step only has to be over 0.
@@ -72,8 +72,8 @@ mod interface {
             })
         }
 
-        /// Detects markers in a part of a picture, of which `share` is the length of its larger side in relation to that of the picture:
-        /// what is too small for a marker in the picture is so in its part.
+        /// Detects markers in a part of a picture, of which `share` is the length of its larger side in relation to that of the picture. What is too
+        /// small for a marker in the picture is so in its part.
         pub(in crate::markers) fn detect(
             &mut self,
             gray: &impl ToInputArray,

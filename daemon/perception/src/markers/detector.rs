@@ -32,9 +32,9 @@ impl Detector {
         })
     }
 
-    /// Adds the markers of a part of the picture whose id is `wanted` to those that were found, and the ids that are in view twice to `twice`; returns
-    /// how many others it shows. `min_side_px`
-    /// is the side of the smallest marker that is expected, if that is known: it decides whether half the picture's size is enough.
+    /// Adds the markers of a part of the picture whose id is `wanted` to those that were found. Adds the ids that are in view twice to `twice`.
+    /// Returns how many others it shows. `min_side_px` is the side of the smallest marker that is expected, if that is known: it decides whether half
+    /// the picture's size is enough.
     pub(super) fn search(
         &mut self,
         gray: &ImageView<'_>,
@@ -89,7 +89,7 @@ impl Detector {
     }
 }
 
-/// Adds a marker; of two with the same id the one with the better outline stays, and the id is noted if they are two prints.
+/// Adds a marker. Of two with the same id the one with the better outline stays, and the id is noted if they are two prints.
 fn keep(found: &mut Found, twice: &mut Ids, marker: Marker) {
     match found.iter_mut().find(|other| other.id == marker.id) {
         Some(other) => {

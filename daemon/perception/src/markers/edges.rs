@@ -120,8 +120,8 @@ fn fit_edge(
 
 /// Where along `outward` the picture gets brighter, relative to `base`, and by how much: the centroid of the steps.
 ///
-/// A lens blurs light, and the camera turns light into grey values after that: the middle of a blurred edge is where the
-/// light is half, not where the grey value is half. In grey values a marker of 30 px would come out 0.4 px too small.
+/// A lens blurs light, and the camera turns light into grey values after that. The middle of a blurred edge is where the light is half, not where the
+/// grey value is half. In grey values a marker of 30 px would come out 0.4 px too small.
 fn step_outward(
     sampler: &Sampler<'_>,
     base: PixelPoint,

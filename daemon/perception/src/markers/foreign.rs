@@ -23,8 +23,8 @@ pub(super) struct Foreign {
     has_seen_own: bool,
     /// The dictionary that is tried next.
     next: usize,
-    /// By dictionary, what its newest look found, and how many of these its look before had found as well: a lucky pattern of a
-    /// cloth is not read twice alike.
+    /// By dictionary, what its newest look found, and how many of these its look before had found as well. A lucky pattern of a cloth is not read
+    /// twice alike.
     found: [(Vec<i32>, usize); OTHERS.len()],
     markers: usize,
 }

@@ -9,8 +9,8 @@ use crate::image::ImageView;
 use crate::points::PixelPoint;
 use opencv::core::Rect;
 
-/// How far around a marker it is looked for in the next frame, as a share of its side: at 30 frames per second a marker of 36 mm stays
-/// within it up to 1 m/s. One that is faster is not found there, and is then looked for everywhere.
+/// How far around a marker it is looked for in the next frame, as a share of its side. At 30 frames per second a marker of 36 mm stays within it up
+/// to 1 m/s. One that is faster is not found there, and is then looked for everywhere.
 const MARGIN: f64 = 1.0;
 /// At least this far, in pixels: the window of the threshold and what OpenCV leaves out at a border must fit around the marker.
 const MIN_MARGIN_PX: f64 = 16.0;
@@ -62,7 +62,7 @@ impl Windows {
     }
 }
 
-/// The part of a picture in which a marker is expected, from an even row and column on: half the size has the same pixels then.
+/// The part of a picture in which a marker is expected, from an even row and column on. Half the size has the same pixels then.
 fn around(corners: &[PixelPoint; 4], [width, height]: [usize; 2]) -> Rect {
     let margin = (MARGIN * corners[0].distance(corners[1])).max(MIN_MARGIN_PX);
     let span = |places: [f64; 4], length: usize| {

@@ -66,9 +66,9 @@ impl BenchFrame {
         Ok(Self { bench_from_camera })
     }
 
-    /// The frame of these points of the bench plane, seen by these pixels of the colour picture, and the root mean square
-    /// distance of the pixels from where the points would be seen, in pixels. `None` where the points give no plane. Needs no
-    /// depth, and four or more points, no three in a line.
+    /// The frame of these points of the bench plane, seen by these pixels of the colour picture. It also gives the root mean square distance of the
+    /// pixels from where the points would be seen, in pixels. `None` where the points give no plane. Needs no depth, and four or more points, no
+    /// three in a line.
     ///
     /// # Errors
     /// [`PerceptionError::OpenCv`].

@@ -1,9 +1,8 @@
 //! Depth at a pixel of the colour picture, without aligning the pictures: only the pixels that are needed are read.
 //!
-//! The two cameras are side by side, so what a colour pixel sees lies on a short line in the depth picture, which runs from
-//! where it would be if it were near to where it would be if it were far. On that line the sampler looks for the pixel that
-//! sees the same. The pixels around it vote on the depth, because a stereo camera has holes, fattened edges, and points that
-//! fly between near and far.
+//! The two cameras are side by side, so what a colour pixel sees lies on a short line in the depth picture. The line runs from where it would be if
+//! it were near to where it would be if it were far. On that line the sampler looks for the pixel that sees the same. The pixels around it vote on
+//! the depth, because a stereo camera has holes, fattened edges, and points that fly between near and far.
 
 use nalgebra::Point3;
 
@@ -12,12 +11,12 @@ use super::lens::Rig;
 use super::plane::{self, Patch};
 use crate::points::PixelPoint;
 
-/// The minimum and maximum depth that is looked for, in metres: a D400 sees from 0.28 m at its best resolution, and a camera
-/// over a bench hangs no higher than 1.5 m.
+/// The minimum and maximum depth that is looked for, in metres. A D400 sees from 0.28 m at its best resolution, and a camera over a bench hangs no
+/// higher than 1.5 m.
 const RANGE_M: [f64; 2] = [0.25, 1.6];
 
-/// Depths that differ by less than this, in metres, belong to one surface: the noise of a D435i at 1 m is 2 to 4 mm, and a
-/// finger falls away by 4 mm over half its width.
+/// Depths that differ by less than this, in metres, belong to one surface. The noise of a D435i at 1 m is 2 to 4 mm, and a finger falls away by 4 mm
+/// over half its width.
 const SURFACE_M: f64 = 0.012;
 
 /// A surface needs this share of the pixels with depth: a fingertip fills a third of its window, and flying points are fewer.

@@ -1,9 +1,9 @@
 //! The landmarks of a hand in three dimensions.
 //!
-//! A landmark lies inside the hand; depth shows the skin above it, or whatever hides it. Seen from above, the tips of a hand
-//! that grips lie some 4 cm under its knuckles. So the shape that the hand model guesses is laid upon the measured palm, and
-//! gives the expected depth of the other landmarks. A landmark whose measured depth is in front of that is hidden and takes
-//! the expected depth; any other has its skin in view and keeps the measured depth.
+//! A landmark lies inside the hand; depth shows the skin above it, or whatever hides it. Seen from above, the tips of a hand that grips lie some 4 cm
+//! under its knuckles. So the shape that the hand model guesses is laid upon the measured palm, and gives the expected depth of the other landmarks.
+//! A landmark whose measured depth is in front of that is hidden and takes the expected depth. Any other has its skin in view and keeps the measured
+//! depth.
 //!
 //! Seen from above, depth shows the back of the hand over the tips. With the measured depth alone the tips were 33 mm off, with the shape
 //! 17 mm.
@@ -18,8 +18,8 @@ use crate::points::PixelPoint;
 /// Half the width of the window that votes on a landmark's depth, in metres: a finger is 15 to 18 mm wide.
 const REACH_M: f64 = 0.006;
 
-/// Half the thickness of a hand at each landmark, in metres, means of adults: wrist 20 mm, knuckles 13, middle joints 9,
-/// last joints 8, tips 7; the thumb's joints are a little thicker.
+/// Half the thickness of a hand at each landmark, in metres, means of adults. Wrist 20 mm, knuckles 13, middle joints 9, last joints 8, tips 7. The
+/// thumb's joints are a little thicker.
 const HALF_THICKNESS_M: [f64; LANDMARKS] = [
     0.020, 0.016, 0.013, 0.010, 0.009, // wrist and thumb
     0.013, 0.009, 0.008, 0.007, // index
@@ -36,12 +36,12 @@ const KNUCKLES: [usize; 4] = [5, 9, 13, 17];
 /// Fewer knuckles than this, with the wrist, do not determine how the palm lies.
 const MIN_KNUCKLES: usize = 2;
 
-/// A measured depth this far in front of the expected one, in metres, belongs to something else: half the thickness of a
-/// finger, between 0 (the landmark's own skin) and the whole thickness (a finger that lies over it).
+/// A measured depth this far in front of the expected one, in metres, belongs to something else. It is half the thickness of a finger, between 0 (the
+/// landmark's own skin) and the whole thickness (a finger that lies over it).
 const HIDDEN_M: f64 = 0.0075;
 
-/// Without depth a hand stays at its last height for this long, in nanoseconds: half a reach, in which it rises or sinks by a
-/// few centimetres. Its size in the picture would say no more, because its tilt is only guessed.
+/// Without depth a hand stays at its last height for this long, in nanoseconds. It is half a reach, in which it rises or sinks by a few centimetres.
+/// Its size in the picture would say no more, because its tilt is only guessed.
 const REMEMBERED_NS: u64 = 500_000_000;
 
 /// Where a landmark's depth comes from. Only tests read it: the depth alone does not show which rule gave it.

@@ -5,8 +5,8 @@
 //!
 //! Nothing here knows where the pictures come from: optics are plain numbers, and depth is a slice.
 //!
-//! On one clip with computed depth, markers are 0.2 mm off in the median, the knuckle 9 mm and fingertips 17 mm; fingertips 25 mm after
-//! half a second without depth.
+//! On one clip with computed depth, markers are 0.2 mm off in the median, the knuckle 9 mm and fingertips 17 mm. Fingertips are 25 mm off after half
+//! a second without depth.
 
 mod bench;
 mod depth;

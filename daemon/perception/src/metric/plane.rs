@@ -33,9 +33,9 @@ const TRIPLES: usize = 48;
 /// Rounds of least squares without the outliers: from a plane near the right one, the set of points settles in two.
 const ROUNDS: usize = 4;
 
-/// Fits the plane that more than half of the points lie on: least median of distances among planes through three points
-/// (Rousseeuw 1984), then total least squares without the outliers. The same points give the same plane. `None` for fewer
-/// than three points, or points in a line.
+/// Fits the plane that more than half of the points lie on. It takes the least median of distances among planes through three points (Rousseeuw
+/// 1984), then total least squares without the outliers. The same points give the same plane. `None` for fewer than three points, or points in a
+/// line.
 pub(super) fn fit(points: &[Point3<f64>]) -> Option<Patch> {
     let mut dice = Dice(1);
     let triples = (0..TRIPLES).filter_map(|_| {

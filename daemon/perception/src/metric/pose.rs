@@ -13,12 +13,11 @@ use super::plane::Patch;
 use crate::error::{PerceptionError, while_doing};
 use crate::points::PixelPoint;
 
-/// Standard deviation of a corner along each axis of the picture, in pixels: 0.02 where the picture is sharp, and more in
-/// motion and in noise.
+/// Standard deviation of a corner along each axis of the picture, in pixels. 0.02 where the picture is sharp, and more in motion and in noise.
 const CORNER_PX: f64 = 0.1;
 
-/// Standard deviation of the tilt that the corners of a marker of 30 px give, in radians: 4 degrees, from `CORNER_PX` and the
-/// perspective of its sides.
+/// Standard deviation of the tilt that the corners of a marker of 30 px give, in radians. It is 4 degrees, from `CORNER_PX` and the perspective of
+/// its sides.
 const CORNERS_TILT: f64 = 0.07;
 
 /// Maximum rate at which a held part turns, in radians per second: the quick turn of a wrist.
@@ -27,8 +26,8 @@ const MAX_TURN_RATE: f64 = 4.0;
 /// An older pose says nothing about the present one, in nanoseconds.
 const REMEMBERED_NS: u64 = 500_000_000;
 
-/// If the costs of the two poses differ by no more than this, it is unknown which pose is right: the cost is -2 ln of a
-/// likelihood, and this is 2 ln 99, odds of 99 to 1.
+/// If the costs of the two poses differ by no more than this, it is unknown which pose is right. The cost is -2 ln of a likelihood, and this is 2 ln
+/// 99, odds of 99 to 1.
 const CLEAR: f64 = 9.2;
 
 /// A pose that fits the corners.
@@ -117,8 +116,7 @@ fn tilt_of(patch: &Patch) -> f64 {
     (patch.rms_m / (reach * independent.sqrt())).max(0.01)
 }
 
-/// The pose with the mean of its own tilt and that of the patch, weighted by how well they are known, and with the distance of
-/// the patch.
+/// The pose with the mean of its own tilt and that of the patch, weighted by how well they are known. Its distance is that of the patch.
 fn leaned(pose: &Isometry3<f64>, patch: &Patch) -> Isometry3<f64> {
     let normal = pose.rotation * Vector3::z();
     let (corners, depth) = (CORNERS_TILT.powi(-2), tilt_of(patch).powi(-2));

@@ -1,9 +1,9 @@
-//! Whether the camera was moved: markers that lay still lie elsewhere in the picture, all of them, as if the picture had been shifted,
-//! turned or scaled as one.
+//! Whether the camera was moved. Markers that lay still then lie elsewhere in the picture, all of them, as if the picture had been shifted, turned or
+//! scaled as one.
 //!
-//! Parts are moved, too, and sometimes several at once. So the markers must have moved at one time, nothing that is seen may have stayed
-//! from where the picture's movement would have taken it, and at least one of them lay where no hand was. A tray that carries all parts away
-//! looks the same from above.
+//! Parts are moved, too, and sometimes several at once. So the markers must have moved at one time, and at least one of them lay where no hand was.
+//! Nothing that is seen may have stayed from where the picture's movement would have taken it. A tray that carries all parts away looks the same from
+//! above.
 //!
 //! The fault clears when the markers lie where they lay before. Without a calibration it also clears after ten seconds, because every scale
 //! then comes from the picture itself. With one, nothing in the picture says that the calibration is right again.
@@ -16,7 +16,7 @@ const S: f32 = 1e9;
 
 /// A marker lies still while its corners stay within this, in sides of the marker: far above the noise of a corner.
 const STILL: f32 = 0.1;
-/// It lies where it is when it has done so for this long, in seconds: longer than a part is held still in a hand on its way.
+/// It lies where it is when it has done so for this long, in seconds. Longer than a part is held still in a hand on its way.
 const REST_S: f32 = 1.0;
 /// A marker that came to lie further away than this has moved, in sides of the marker. A camera that sags by less disturbs nobody.
 const MOVED: f32 = 0.2;
@@ -52,7 +52,7 @@ struct Place {
 }
 
 impl Place {
-    /// Whether a hand moved it when it left at this time: one that has just let go of the part, or was there when it left.
+    /// Whether a hand moved it when it left at this time. One that has just let go of the part, or was there when it left.
     fn is_handled(&self, left_ns: u64) -> bool {
         self.handled_ns > 0 && self.handled_ns + (AT_ONCE_S * S) as u64 >= left_ns
     }
@@ -188,7 +188,7 @@ impl Camera {
         let last_ns = together.iter().map(over_ns).max()?;
         let alone = together.iter().filter(|moved| !moved.is_handled);
         let pushed_ns = alone.map(|moved| moved.left_ns).max()?;
-        // A part that was in a hand before the camera was pushed, or is in one for longer, has gone a way of its own as well.
+        // A part that was in a hand before the camera was pushed has gone a way of its own as well. So has one that is in a hand for longer.
         let must_fit = |moved: &&Move| {
             let is_carried =
                 moved.left_ns + at_once_ns < pushed_ns || moved.arrived_ns > arrived_ns + at_once_ns;

@@ -143,8 +143,8 @@ impl Sight {
         self.current
     }
 
-    /// Whether the newest picture shows the bench. It takes a while before a trouble is believed and told, but nothing that a picture with a sign
-    /// of one seems to show is taken for seen: not the first that repeats the one before, and not the first in which the markers are moved as one.
+    /// Whether the newest picture shows the bench. It takes a while before a trouble is believed and told. Meanwhile nothing that a picture with a
+    /// sign of one seems to show is taken for seen. That holds from the first that repeats the one before, or in which the markers are moved as one.
     pub fn is_seen(&self) -> bool {
         self.is_seen
     }
@@ -187,7 +187,7 @@ impl Sight {
 
 /// A picture of which more than this share is black, or white, shows nothing.
 const FULL: f32 = 0.97;
-/// Noise in which neither hands nor small markers are found, in grey levels: twice what a camera has in the light of a lamp at night.
+/// Noise in which neither hands nor small markers are found, in grey levels. Twice what a camera has in the light of a lamp at night.
 const NOISE: f32 = 20.0;
 /// A trouble is over when the picture has been free of it for this long, in seconds.
 const RECOVERY_S: f32 = 0.5;
@@ -238,14 +238,14 @@ const LEARNING: f32 = 1.0 / 150.0;
 const MIN_EDGES: f32 = 0.002;
 /// A picture with less than this share of the usual edges has lost them.
 const EDGES_LEFT: f32 = 0.1;
-/// A cell has changed when it has more or less red, green or blue by this, in levels of 255. The mean of its pixels is steady to less than
-/// one, while skin or cloth over the lens may be about as bright as the bench.
+/// A cell has changed when it has more or less red, green or blue by this, in levels of 255. The mean of its pixels is steady to less than one. Skin
+/// or cloth over the lens may be about as bright as the bench.
 const CELL_CHANGE: f32 = 4.0;
 /// Share of the cells that a cover changes, and that no worker who leans over the bench does while their own edges are seen.
 const CELLS_CHANGED: f32 = 0.6;
-/// A picture without sharp edges is out of focus if its patches still differ by this share of what is usual, and by this many grey levels.
-/// Out of focus by a twenty-fifth of the picture's width they differ by 43 % and 6.7 levels at least. Of a bench that was cleared, the
-/// share is 26 % at most, and a table without parts has 4.2 levels.
+/// A picture without sharp edges is out of focus if its patches still differ by this share of what is usual. They must also differ by this many grey
+/// levels. Out of focus by a twenty-fifth of the picture's width they differ by 43 % and 6.7 levels at least. Of a bench that was cleared, the share
+/// is 26 % at most, and a table without parts has 4.2 levels.
 const PATCHES_LEFT: f32 = 0.33;
 const MIN_PATCHES: f32 = 5.3;
 /// A picture with less than this share of the usual sharpness is blurred if it lost markers as well...
@@ -265,7 +265,7 @@ impl Baseline {
         if let Some(sharpness) = look.picture.sharpness {
             blend(self.sharpness.get_or_insert(sharpness), sharpness);
         }
-        // Of a bench that was cleared it is learnt first that it has no edges, and only then what else it is like without its parts.
+        // Of a bench that was cleared it is learnt first that it has no edges. Only then is learnt what else it is like without its parts.
         if !has_lost_edges {
             blend(&mut self.patches, look.picture.patches);
             let now = look.picture.cells.as_flattened();
@@ -309,12 +309,12 @@ impl Baseline {
 
 /// How long the same picture comes again and again, bit for bit.
 ///
-/// A still picture that was coded again with losses is not found, because a bench on which nobody moves is coded alike: both are blocks that are
-/// taken over from the picture before. On films with a camera's noise, of four codecs at seven qualities, frozen for 1.5 s or live, no measure of
-/// a window of 0.7 s keeps the two apart (the largest value of a frozen film, the least of a live one): the share of pixels that differ from one
-/// picture to the next 0.048 and 0.0004, that change within the window 0.23 and 0.007, the mean change of the block that changes most 1.0 and
-/// 0.8 grey levels, the median packet in the container 169 and 18 bytes, and against the median of its film 0.85 and 0.12. Within one codec and
-/// quality two of them do in most cases, which a line cannot know.
+/// A still picture that was coded again with losses is not found, because a bench on which nobody moves is coded alike. Both are blocks that are
+/// taken over from the picture before. It was tried on films with a camera's noise, of four codecs at seven qualities, frozen for 1.5 s or live. No
+/// measure of a window of 0.7 s keeps the two apart. The figures are the largest value of a frozen film and the least of a live one. The share of
+/// pixels that differ from one picture to the next is 0.048 and 0.0004, and that change within the window 0.23 and 0.007. The mean change of the
+/// block that changes most is 1.0 and 0.8 grey levels. The median packet in the container has 169 and 18 bytes, and against the median of its film
+/// 0.85 and 0.12. Within one codec and quality two of them do in most cases, which a line cannot know.
 #[derive(Default)]
 struct Stillness {
     fingerprint: Option<u64>,

@@ -155,8 +155,7 @@ pub struct AndonStatus {
     pub restarts: u32,
     /// 1 if the judge has gone away and no verdict has come since, otherwise 0.
     pub writer_gone: u8,
-    /// 1 while every process of the station says that it runs, perceive that it sees the bench, and the judge that it watches a job,
-    /// otherwise 0. Silence is 0.
+    /// 1 while every process of the station says that it runs, perceive sees the bench and the judge watches a job, otherwise 0. Silence is 0.
     pub ready: u8,
     /// Keeps the size a multiple of 8.
     pub reserved: [u8; 2],

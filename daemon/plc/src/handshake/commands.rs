@@ -1,7 +1,7 @@
 //! The control block: commands on their way to the judge, and what became of them.
 //!
-//! A command is under way from its rising bit to the judge's answer; then it is carried out, or refused with a reason. What the PLC
-//! wants for good, `enable`, the job and the part id, is compared with what the judge says, and asked for again until the judge has it.
+//! A command is under way from its rising bit to the judge's answer; then it is carried out, or refused with a reason. The PLC wants `enable`, the
+//! job and the part id for good. They are compared with what the judge says, and asked for again until the judge has them.
 
 use std::collections::VecDeque;
 

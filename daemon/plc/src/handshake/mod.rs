@@ -1,7 +1,7 @@
 //! The handshake with the PLC: a pure state machine without IO and without a clock.
 //!
-//! Rows of the journal, what it keeps, verdicts, the state of the line and what clients write go in, each with its time in
-//! nanoseconds since any moment. What the registers show, the account to be kept and the commands for the line come out.
+//! Rows of the journal, what it keeps, verdicts, the state of the line and what clients write go in. Each has its time in nanoseconds since any
+//! moment. What the registers show, the account to be kept and the commands for the line come out.
 //!
 //! - `results`: how a result gets to the PLC, and when it gives way to the next one;
 //! - `ledger`: the account with the journal, which outlives this process;
@@ -209,8 +209,8 @@ impl Handshake {
         self.advance(now_ns);
     }
 
-    /// Takes an acknowledgement, which is answered once the journal keeps it. One that names its result means no other: a client that
-    /// writes in a cycle may not know yet that this role has started again and offers the next.
+    /// Takes an acknowledgement, which is answered once the journal keeps it. One that names its result means no other. A client that writes in a
+    /// cycle may not know yet that this role has started again and offers the next.
     fn acknowledge(&mut self, sequence: u32) {
         let refusal = match self.results.offered() {
             None => Refusal::NothingOffered,

@@ -8,11 +8,10 @@
 //!                            └──────── another waits, and `acknowledge` is clear ────────────┘
 //! ```
 //!
-//! `done`, and one of `ok`, `nok`, `not-judged`, are set in `Offered` and `Released` and in no other state. All results come from
-//! the journal. An acknowledgement counts once the journal keeps it: whatever ends this process, its next start offers what was
-//! not acknowledged, under the same number, and nothing older. A result that finds the queue full stays in the journal and is asked for
-//! when there is room. Without writes nobody says that they keep up, and so it is lost; the overrun bit and a jump of
-//! `sequence` say so, as for a result that the journal does not have.
+//! `done`, and one of `ok`, `nok`, `not-judged`, are set in `Offered` and `Released` and in no other state. All results come from the journal. An
+//! acknowledgement counts once the journal keeps it. Whatever ends this process, its next start offers what was not acknowledged, under the same
+//! number, and nothing older. A result that finds the queue full stays in the journal and is asked for when there is room. Without writes nobody says
+//! that they keep up, and so it is lost. The overrun bit and a jump of `sequence` say so, as for a result that the journal does not have.
 
 use shm_schemas::{Account, Journalled, MessageId};
 

@@ -1,10 +1,9 @@
 //! The gate between a client's bytes and the Modbus decoder.
 //!
-//! The decoder of `tokio-modbus` 0.17 ends the connection without an answer at the first malformed request, and
-//! computes `quantity * 2` in 16 bits, which panics in a build with overflow checks. So no malformed request may reach it.
-//! The gate cuts the stream into frames, answers a malformed one with the exception that the Modbus specification names,
-//! and passes one well-formed frame on at a time. A connection ends when its stream cannot be cut into frames any more, or when
-//! no complete request came within the idle timeout.
+//! The decoder of `tokio-modbus` 0.17 ends the connection without an answer at the first malformed request. It computes `quantity * 2` in 16 bits,
+//! which panics in a build with overflow checks. So no malformed request may reach it. The gate cuts the stream into frames, and passes one
+//! well-formed frame on at a time. It answers a malformed one with the exception that the Modbus specification names. A connection ends when its
+//! stream cannot be cut into frames any more, or when no complete request came within the idle timeout.
 
 use std::future::Future;
 use std::io;

@@ -102,8 +102,8 @@ pub fn read(image: &Image, order: WordOrder, address: u16, count: u16) -> Result
 /// The control block as it is after `values` have been written from `address` on: all of them, or none.
 ///
 /// # Errors
-/// [`RegisterError::Address`] when a register of the range is not in the control block, [`RegisterError::Value`] when bits of the
-/// control word are written that have no meaning.
+/// [`RegisterError::Address`] when a register of the range is not in the control block. [`RegisterError::Value`] when bits of the control word are
+/// written that have no meaning.
 pub fn write(
     image: &Image,
     order: WordOrder,

@@ -1,8 +1,7 @@
 //! librealsense, loaded when the first source is opened.
 //!
-//! The trampolines that `build.rs` wrote have the names that `realsense-sys` declares and jump through [`SLOTS`].
-//! They must not be called before [`load`] has succeeded: everything in this folder that calls the SDK is built from an
-//! [`Api`], and only `load` gives one.
+//! The trampolines that `build.rs` wrote have the names that `realsense-sys` declares and jump through [`SLOTS`]. They must not be called before
+//! [`load`] has succeeded. Everything in this folder that calls the SDK is built from an [`Api`], and only `load` gives one.
 
 use std::ffi::c_int;
 use std::path::Path;

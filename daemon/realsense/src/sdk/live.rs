@@ -11,8 +11,8 @@ use crate::clock::{Arrival, CameraClock};
 use crate::wait::{self, STEP};
 use crate::{Error, pair};
 
-/// What the SDK may take beyond the time of a wait. It reopens a lost camera by itself, which takes longer than this and leaves all
-/// options at their defaults, so such a camera counts as unplugged and is opened again with its settings.
+/// What the SDK may take beyond the time of a wait. It reopens a lost camera by itself, which takes longer than this and leaves all options at their
+/// defaults. So such a camera counts as unplugged and is opened again with its settings.
 const SLACK: Duration = Duration::from_millis(500);
 
 /// A camera that has been started.

@@ -20,8 +20,8 @@ pub use picture::Frame;
 
 /// A camera or a recording that frames come from.
 ///
-/// Where depth is captured, every frame has it: a colour picture without a depth picture of its moment ([`crate::pair`]) is not a frame, and counts as
-/// dropped.
+/// Where depth is captured, every frame has it. A colour picture without a depth picture of its moment ([`crate::pair`]) is not a frame, and counts
+/// as dropped.
 ///
 /// A frame lies in one of the sensor's own buffers, of which there are few: write it out and drop it before the next wait.
 #[derive(Debug)]
@@ -54,7 +54,7 @@ impl Source {
     /// Waits for the next frame; `None` at the end of a recording.
     ///
     /// # Errors
-    /// [`Error::Silent`] after 2 s without a frame of a camera, [`Error::Unplugged`] when it is gone, [`Error::Recording`] when no picture of a
+    /// [`Error::Silent`] after 2 s without a frame of a camera, and [`Error::Unplugged`] when it is gone. [`Error::Recording`] when no picture of a
     /// recording has depth of its moment, and what the SDK refuses. A camera that has failed must be opened again.
     pub fn next_frame(&mut self) -> Result<Option<Frame>, Error> {
         let pictures = match &mut self.kind {

@@ -132,8 +132,8 @@ fn plane<K>(frame: &ImageFrame<K>, format: PixelFormat, intrinsics: Intrinsics) 
 /// The picture's bytes, row by row with the stride.
 fn bytes<K>(frame: &ImageFrame<K>) -> &[u8] {
     let length = (frame.stride() * frame.height()).min(frame.get_data_size());
-    // SAFETY: the SDK guarantees `get_data_size` bytes at this address for as long as the frame lives; `get_pixel` is
-    // avoided because realsense-rust takes the bytes of RGB8 for BGR8.
+    // SAFETY: the SDK guarantees `get_data_size` bytes at this address for as long as the frame lives. `get_pixel` is avoided because realsense-rust
+    // takes the bytes of RGB8 for BGR8.
     unsafe { std::slice::from_raw_parts(std::ptr::from_ref(frame.get_data()).cast::<u8>(), length) }
 }
 

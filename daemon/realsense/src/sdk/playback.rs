@@ -1,7 +1,7 @@
 //! Plays a recording: every picture once, in order, whatever else the machine does.
 //!
-//! The SDK's pipeline is not used. It starts in real time, in which it drops what is not fetched in time; it begins with the first picture of the
-//! stream that was opened last; and its framesets repeat the last picture of a stream that has sent no new one.
+//! The SDK's pipeline is not used. It starts in real time, in which it drops what is not fetched in time. It begins with the first picture of the
+//! stream that was opened last. Its framesets repeat the last picture of a stream that has sent no new one.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -35,8 +35,8 @@ pub(super) struct Player {
     device: NonNull<rs2_device>,
 }
 
-// SAFETY: the SDK counts the references to a device atomically, and the functions below either hand a request to the player's own thread or read
-// and write its atomic fields.
+// SAFETY: the SDK counts the references to a device atomically. The functions below either hand a request to the player's own thread or read and
+// write its atomic fields.
 unsafe impl Send for Player {}
 // SAFETY: as above.
 unsafe impl Sync for Player {}

@@ -34,8 +34,8 @@ impl Dropped {
 pub struct Candidate {
     /// What people call it.
     pub name: String,
-    /// The times of the frames in seconds from the beginning of the activity, and the DTW distance to the reference of the IU, as a share of
-    /// its threshold: while the IU is open the least that it can become, at its end the distance itself. One list per IU.
+    /// The times of the frames in seconds from the beginning of the activity. With each is the DTW distance to the reference of the IU, as a share of
+    /// its threshold. While the IU is open the least that it can become, at its end the distance itself. One list per IU.
     pub distances: Vec<Vec<[f64; 2]>>,
     /// When it dropped out, in seconds from the beginning, and why; `None` if it remains to the end.
     pub dropped: Option<(f64, Dropped)>,
@@ -52,9 +52,9 @@ pub struct Selection {
     pub candidates: Vec<Candidate>,
 }
 
-/// The selection of candidates for the activity of a folder that has the most rivals: nominal activities that begin with the same context. It
-/// is carried out by the first person of the folder, and the nominal activities are taught by all others, where hands and objects meet as the
-/// runs are encoded. `None` where nothing is taught.
+/// The selection of candidates for the activity of a folder that has the most rivals: nominal activities that begin with the same context. It is
+/// carried out by the first person of the folder, where hands and objects meet as the runs are encoded. The nominal activities are taught by all
+/// others. `None` where nothing is taught.
 pub fn selection(all: &[Labelled], method: &Method, cost: LocalCost) -> Option<Selection> {
     let shown = all.first()?.person;
     let nominal = nominal(all, shown, method, cost);

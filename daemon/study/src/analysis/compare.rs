@@ -125,7 +125,7 @@ impl Analysis {
         Table::new(&self.kind_of_samples(), &self.context)
     }
 
-    /// How many IUs of each kind are in each pair of a motion cluster and a context cluster, and the pairs in the order of the columns.
+    /// How many IUs of each kind are in each pair of a motion cluster and a context cluster. The pairs are in the order of the columns.
     pub(super) fn table_of_both(&self) -> (Table, Vec<(usize, usize)>) {
         let pairs: Vec<(usize, usize)> =
             self.motion.labels.iter().copied().zip(self.context.iter().copied()).collect();

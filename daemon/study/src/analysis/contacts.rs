@@ -7,8 +7,7 @@ use andon_learn::recording::NamedObject;
 use andon_learn::run::Run;
 use andon_learn::teach::{self, TeachOptions};
 
-/// The recordings where hands and objects meet as those called correct show it, as a job is taught; as all of them show it where none is
-/// called so.
+/// The recordings where hands and objects meet as those called correct show it, as a job is taught. As all of them show it where none is called so.
 ///
 /// # Errors
 /// If the objects of all recordings are too many for one job.

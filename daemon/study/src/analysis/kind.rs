@@ -33,8 +33,8 @@ pub struct Kind {
 }
 
 impl Kind {
-    /// The kinds of a folder: the paper's six if the folder has their activities, otherwise every IU with a hand in the most common sequence
-    /// of contexts of each name.
+    /// The kinds of a folder. The paper's six if the folder has their activities, otherwise every IU with a hand in the most common sequence of
+    /// contexts of each name.
     pub fn of(all: &[Labelled]) -> Vec<Self> {
         let has = |what: &str| all.iter().any(|one| one.what == what);
         if OF_PAPER.iter().all(|(_, what, _)| has(what)) { Self::of_paper() } else { Self::of_names(all) }
@@ -77,8 +77,8 @@ impl Kind {
     }
 }
 
-/// The IUs with a hand in the most common sequence of contexts, each as index of the activity, index of the IU in it, and context.
-/// Ties go to the last sequence in the order of contexts.
+/// The IUs with a hand in the most common sequence of contexts. Each is the index of the activity, the index of the IU in it, and the context. Ties
+/// go to the last sequence in the order of contexts.
 fn most_common(runs: &[&Run]) -> Vec<(usize, usize, Context)> {
     let sequence =
         |run: &Run| -> Vec<Vec<Context>> { run.activities.iter().map(|one| one.contexts()).collect() };

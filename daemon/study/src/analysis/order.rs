@@ -17,8 +17,8 @@ pub struct Order {
 }
 
 impl Order {
-    /// The order that the correct runs of a folder show, where hands and objects meet as the runs are encoded. `None` where no run is called
-    /// correct, so that each name is an activity of its own, or nothing can be taught, or there is one step only.
+    /// The order that the correct runs of a folder show, where hands and objects meet as the runs are encoded. `None` where no run is called correct,
+    /// so that each name is an activity of its own. It is also `None` where nothing can be taught, or there is one step only.
     pub fn of(all: &[Labelled], name: &str, method: &Method, cost: LocalCost) -> Option<Self> {
         let correct = all.iter().filter(|one| one.what == CORRECT);
         let runs: Vec<Run> = correct.map(|one| one.run.clone()).collect();

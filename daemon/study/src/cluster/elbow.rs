@@ -3,16 +3,16 @@
 /// Of the WCSS of one cluster: what is less is nothing.
 const MIN_SHARE: f64 = 1e-6;
 
-/// The k at the elbow of a curve of WCSS over k = 1, 2, ...: the point furthest below the straight line from the first point to the last,
-/// with both axes scaled to 0..1, that of the sums by their logarithms (the "kneedle" rule, Satopää et al. 2011). Ties go to the smaller k. A
-/// curve that does not fall has its elbow at 1.
+/// The k at the elbow of a curve of WCSS over k = 1, 2, .... It is the point furthest below the straight line from the first point to the last. Both
+/// axes are scaled to 0..1, that of the sums by their logarithms (the "kneedle" rule, Satopää et al. 2011). Ties go to the smaller k. A curve that
+/// does not fall has its elbow at 1.
 pub(super) fn elbow(wcss: &[f64]) -> usize {
     let (Some(first), Some(last)) = (wcss.first(), wcss.last()) else { return 1 };
     let fall = first - last;
     if wcss.len() < 3 || fall <= 0.0 {
         return 1;
     }
-    // The sums fall by ratios: a cluster more may take away a third of what is left, whether that is much or little of the whole.
+    // The sums fall by ratios. A cluster more may take away a third of what is left, whether that is much or little of the whole.
     let logarithm = |sum: f64| sum.max(MIN_SHARE * first).ln();
     let depth = |index: usize| {
         let along = index as f64 / (wcss.len() - 1) as f64;

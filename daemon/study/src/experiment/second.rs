@@ -31,8 +31,8 @@ const FLAWS: [(&str, usize, usize); 2] = [("J1", 0, 1), ("J2", 1, 1)];
 /// How executions are divided into a training set and a test set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Split {
-    /// The paper's split: 10 rounds, each trained with two thirds of the correct executions at random (14 of 21) and tested with the others
-    /// and all flawed ones.
+    /// The paper's split in 10 rounds. Each is trained with two thirds of the correct executions at random (14 of 21) and tested with the others and
+    /// all flawed ones.
     Random,
     /// One round per person, tested with all executions of this person and trained with the correct ones of the others.
     LeavePersonOut,
@@ -59,8 +59,8 @@ pub struct Outcome {
     pub ius: Rounds,
     /// The confusion matrices of the activities.
     pub activities: Rounds,
-    /// The number of false positives among the IUs of a `J2`, where the hand puts the brick down again: by the paper's protocol only the IU
-    /// that never comes is wrong.
+    /// The number of false positives among the IUs of a `J2`, where the hand puts the brick down again. By the paper's protocol only the IU that
+    /// never comes is wrong.
     pub accused_in_j2: u32,
     /// The number of correct executions that were tested.
     pub correct_jobs: u32,

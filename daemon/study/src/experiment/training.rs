@@ -7,8 +7,8 @@ use andon_learn::job_file::JobFile;
 use andon_learn::run::Run;
 use andon_learn::teach::{Memory, TeachError, TeachOptions, teach_again, with_learned_contacts};
 
-/// The training executions of one round, with the filter and without it, where hands and objects meet as the recordings say and as the
-/// executions show it, as far as a variation needs that.
+/// The training executions of one round, with the filter and without it. Hands and objects meet as the recordings say and as the executions show it,
+/// as far as a variation needs that.
 pub(super) struct Encodings {
     all: Vec<Encoding>,
 }

@@ -27,8 +27,8 @@ pub struct Variation {
 }
 
 impl Variation {
-    /// The paper's rules with this number of direction bins: features in `[0, 1]`, the mean and two standard deviations of the distances to
-    /// the barycentre, and no bounds.
+    /// The paper's rules with this number of direction bins. Features are in `[0, 1]`, thresholds the mean and two standard deviations of the
+    /// distances to the barycentre, and there are no bounds.
     pub fn paper(bins: u8) -> Self {
         Self {
             name: "paper",
@@ -90,8 +90,8 @@ impl Variation {
         all
     }
 
-    /// The same variations for these recordings: if none of them says where its objects are touched, hands and objects meet in each variation
-    /// where the training executions show it.
+    /// The same variations for these recordings. If none of them says where its objects are touched, hands and objects meet in each variation where
+    /// the training executions show it.
     #[must_use]
     pub fn for_recordings(mut variations: Vec<Self>, all: &[Labelled]) -> Vec<Self> {
         let mut objects = all.iter().flat_map(|one| &one.run.objects);

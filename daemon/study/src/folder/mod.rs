@@ -1,5 +1,4 @@
-//! A folder of recordings, and who did what in each: as the names of the files say it, by default `p<person>_<what>_r<repetition>`, or as a
-//! table says it.
+//! A folder of recordings, and who did what in each. The names of the files say it, by default `p<person>_<what>_r<repetition>`, or a table does.
 
 mod pattern;
 mod table;

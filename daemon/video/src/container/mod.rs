@@ -1,7 +1,7 @@
-//! What the container of a film says of it that OpenCV does not tell rightly: how many of its pictures are shown, how they are turned, and whether
-//! the file is whole.
+//! What the container of a film says of it that OpenCV does not tell rightly. It is how many of its pictures are shown, how they are turned, and
+//! whether the file is whole.
 //!
-//! OpenCV counts pictures that an edit list leaves out, takes the length of the sound for that of the pictures, and up to version 4.6 turns the
+//! OpenCV counts pictures that an edit list leaves out, and takes the length of the sound for that of the pictures. Up to version 4.6 it turns the
 //! films of telephones by the wrong quarter.
 
 mod matroska;
@@ -54,7 +54,7 @@ pub(crate) fn read(path: &Path) -> Container {
     known().ok().flatten().unwrap_or_default()
 }
 
-/// Whether it is worth to hold the pictures against the count that OpenCV gives: that of an AVI is written, others are only guessed from the
+/// Whether it is worth to hold the pictures against the count that OpenCV gives. That of an AVI is written, and others are only guessed from the
 /// length of whatever is longest.
 pub(crate) fn has_a_count(path: &Path) -> bool {
     let mut begin = [0; 4];

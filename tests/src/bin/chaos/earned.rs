@@ -1,5 +1,5 @@
-//! Knows what the worker did and what the PLC wanted, and holds every OK against both: it must be of a job that was right and whole, for
-//! the part that lay at the bench then, by the job that the PLC wanted for it.
+//! Knows what the worker did and what the PLC wanted, and holds every OK against both. It must be of a job that was right and whole, for the part
+//! that lay at the bench then. It must be by the job that the PLC wanted for it.
 
 use andon_tests::line::{Kept, Told};
 use shm_schemas::Verdict;
@@ -141,7 +141,7 @@ mod tests {
         ]
     }
 
-    /// What is said against an OK for this part by this job, on work of the recording that was sent at its end, and one more of 40 s later.
+    /// What is said against an OK for this part by this job. It is on work of the recording that was sent at its end, and one more of 40 s later.
     fn said(part: &str, job_id: u32, began_s: u64, ended_s: u64) -> Vec<String> {
         let verdict =
             Counted { epoch: 1, seq: 1, level: "job".into(), outcome: "ok".into(), part: part.into() };

@@ -1,11 +1,11 @@
-//! Kills, stops and restarts the roles of a line at random, also while they start, and the program of a PLC that acknowledges every
+//! Kills, stops and restarts the roles of a line at random, also while they start. It does so with the program of a PLC that acknowledges every
 //! result and gives part ids. Checks what is left.
 //!
-//! `chaos [KILLS] [SEED] [REPORT] [P99_MS]`: fails when something hangs, when a verdict is lost or doubled for the journal or for the
-//! PLC, when a job was OK that was not right and whole, or for a part or by a job that the PLC did not want then, when no right job was
-//! OK or no wrong one was found while nothing was disturbed, when the line was ready while it could not judge, or not by the job that
-//! the PLC wants, when shared memory is leaked, when the PLC did not see `ready` drop, or when of a hundred roles more than one took
-//! longer than `P99_MS` to come back. Without `P99_MS` that time is only reported, because it depends on how busy the machine is.
+//! `chaos [KILLS] [SEED] [REPORT] [P99_MS]` fails when something hangs, or when a verdict is lost or doubled for the journal or for the PLC. It fails
+//! when a job was OK that was not right and whole. It also fails when one was OK for a part or by a job that the PLC did not want then. It fails when
+//! no right job was OK or no wrong one was found while nothing was disturbed. It fails when the line was ready while it could not judge, or not by
+//! the job that the PLC wants. It fails when shared memory is leaked, or when the PLC did not see `ready` drop. It fails when of a hundred roles more
+//! than one took longer than `P99_MS` to come back. Without `P99_MS` that time is only reported, because it depends on how busy the machine is.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod accounts;

@@ -1,5 +1,5 @@
-//! Knows when the line could judge, by what was done to each role, by the role's own signs of life and by what the judge says of itself,
-//! and holds against it when the line said that it was ready.
+//! Knows when the line could judge. It is told what was done to each role, the role's own signs of life, and what the judge says of itself. It holds
+//! against that when the line said that it was ready.
 
 use crate::poller::Look;
 use andon_tests::measure::percentile;
@@ -19,8 +19,8 @@ struct Unable {
 #[derive(Default)]
 pub(crate) struct Oracle(Vec<Unable>);
 
-/// How long the line may say that it is ready after a role can work no more: the longest time that a role may be silent, and the longest
-/// that the PLC's side may stand still before it says so by itself.
+/// How long the line may say that it is ready after a role can work no more. The longest time that a role may be silent, and the longest that the
+/// PLC's side may stand still before it says so by itself.
 fn may_last_ms(role: &str) -> f64 {
     let silence_ms = if role == "journal" { 3000.0 } else { 1000.0 };
     silence_ms + 500.0
@@ -48,7 +48,7 @@ impl Oracle {
         }
     }
 
-    /// What is to be said of the looks, and those that saw a line ready that could not judge and had had the time to find out.
+    /// What is to be said of the looks. It names those that saw a line ready that could not judge and had had the time to find out.
     pub(crate) fn judge(&self, looks: &[Look]) -> (Value, Vec<String>) {
         let mut lasted_ms = Vec::new();
         let mut false_ready = Vec::new();

@@ -1,5 +1,6 @@
-//! Judges the shipped clips as a worse camera or a slower machine would show them: at fewer frames per second, with noise, in the dark, strongly
-//! compressed, turned. A correct clip must never be accused, and a faulty one never be called right; that it cannot be judged is not a fault.
+//! Judges the shipped clips as a worse camera or a slower machine would show them. They have fewer frames per second or noise, or are in the dark,
+//! strongly compressed, or turned. A correct clip must never be accused, and a faulty one never be called right; that it cannot be judged is not a
+//! fault.
 //!
 //! `ffmpeg` changes the clips, and `andond replay` beside this program judges them with the shipped job. Prints a row per clip and change;
 //! ends with 1 if a correct clip was accused or a faulty one called right.

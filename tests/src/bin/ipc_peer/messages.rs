@@ -109,8 +109,8 @@ pub(crate) fn write_verdicts(node: &Node, arguments: &[String]) -> Outcome {
     Ok(())
 }
 
-/// `read-verdicts COUNT PAUSE_US`: reads until it has seen `seq` COUNT or the end of the stream, with a pause after
-/// each message; 0 reads until it is stopped. Prints how many came and how late they were.
+/// `read-verdicts COUNT PAUSE_US`: reads until it has seen `seq` COUNT or the end of the stream, with a pause after each message. 0 reads until it is
+/// stopped. Prints how many came and how late they were.
 pub(crate) fn read_verdicts(node: &Node, arguments: &[String]) -> Outcome {
     let (last, pause) = (number(arguments, 0)?, Duration::from_micros(number(arguments, 1)?));
     let mut reader: Reader<Verdict> = node.reader()?;

@@ -1,7 +1,7 @@
 //! Sends random bytes to the Modbus side of a running line, beside a good client that polls as a PLC does.
 //!
-//! `modbus_fuzz [SECONDS] [SEED] [REPORT]`: fails when the role ends, when the good client gets a wrong answer or none, when
-//! no bad request is counted, or when memory grows.
+//! `modbus_fuzz [SECONDS] [SEED] [REPORT]` fails when the role ends, or when the good client gets a wrong answer or none. It also fails when no bad
+//! request is counted, or when memory grows.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod attack;

@@ -1,9 +1,8 @@
 //! Measures what is gained by moving a hidden object with the hand that carries it.
 //!
-//! In the clips the markers stay in view while a part is held. Here they are hidden: from every tenth frame on, each marker
-//! that was found is withheld for a second. The pose that follows the hand is compared with the marker that was really
-//! found, and so is the pose that stays where the marker was last seen. The same is done with objects at rest that no hand
-//! holds: they must not be taken along.
+//! In the clips the markers stay in view while a part is held. Here they are hidden: from every tenth frame on, each marker that was found is
+//! withheld for a second. The pose that follows the hand is compared with the marker that was really found. So is the pose that stays where the
+//! marker was last seen. The same is done with objects at rest that no hand holds: they must not be taken along.
 
 use crate::clip::{Change, Clip, Shown};
 use crate::errors::{Errors, distance};

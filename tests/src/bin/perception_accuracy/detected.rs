@@ -125,8 +125,8 @@ fn measure(
     Ok(())
 }
 
-/// A hand whose landmarks are off by more than this in the median is on something else, or has its fingers in another order, as a share of
-/// the picture's width.
+/// A hand whose landmarks are off by more than this in the median is on something else, or has its fingers in another order. It is a share of the
+/// picture's width.
 const ELSEWHERE: f64 = 0.06;
 /// The fingertips that touch.
 const TIPS: [usize; 3] = [8, 12, 16];
@@ -258,8 +258,8 @@ impl Score {
     }
 }
 
-/// Titles and widths: the hand (`else` is one that was found on something else), the markers, the times in milliseconds. Errors are medians; `95` stands before the 95 %
-/// quantile.
+/// Titles and widths: the hand (`else` is one that was found on something else), the markers, the times in milliseconds. Errors are medians; `95`
+/// stands before the 95 % quantile.
 const COLUMNS: [(&str, usize); 21] = [
     ("clip", 20),
     ("frames", 6),

@@ -1,8 +1,8 @@
 //! A folder as it is after a loss of power: what was synchronised is there, and of the rest whatever chance leaves.
 //!
-//! The model is that of POSIX, with the sectors of a disk: after `fsync` of a file its content is on disk, after `fsync` of the folder its
-//! names are. Of every later change each sector of 512 bytes may be on disk or not, in any order; names are made and removed in
-//! their order. That is what SQLite asks of a disk, and no more. A disk that says that it has written what it has not is another fault.
+//! The model is that of POSIX, with the sectors of a disk. After `fsync` of a file its content is on disk, after `fsync` of the folder its names are.
+//! Of every later change each sector of 512 bytes may be on disk or not, in any order. Names are made and removed in their order. That is what SQLite
+//! asks of a disk, and no more. A disk that says that it has written what it has not is another fault.
 
 use andon_tests::simulator::Random;
 use std::collections::{BTreeMap, HashMap};

@@ -1,11 +1,11 @@
-//! Takes the power from a line at random, in the middle of what its journal does to the disk, and checks that what was confirmed is there.
+//! Takes the power from a line at random, in the middle of what its journal does to the disk. Checks that what was confirmed is there.
 //!
-//! `power_loss [CUTS] [SEED] [REPORT]`: steward, journal and plc are the real roles. The judge is this program, so that there is always
-//! something to write, and so is the PLC, which acknowledges every result. The journal runs with the library of `disk`. Each time it
-//! is ended before one of its writes, truncations or synchronisations, in one life of four after it was asked to stop; everything else
-//! is ended with it, shared memory is gone, and of what was not synchronised `disk` leaves what chance wants. Fails when the database
-//! does not open, when a verdict that the PLC was offered is not in it, or twice, and when the PLC is offered what it has acknowledged,
-//! another verdict under a number that it knows, or a start of the line under a number that it knows.
+//! `power_loss [CUTS] [SEED] [REPORT]`: steward, journal and plc are the real roles. The judge is this program, so that there is always something to
+//! write, and so is the PLC, which acknowledges every result. The journal runs with the library of `disk`. Each time it is ended before one of its
+//! writes, truncations or synchronisations, in one life of four after it was asked to stop. Everything else is ended with it, shared memory is gone,
+//! and of what was not synchronised `disk` leaves what chance wants. Fails when the database does not open, or when a verdict that the PLC was
+//! offered is not in it, or twice. Fails when the PLC is offered what it has acknowledged, or another verdict under a number that it knows. Fails
+//! when a start of the line has a number that the PLC knows.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod disk;

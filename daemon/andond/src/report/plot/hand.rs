@@ -83,7 +83,7 @@ fn draw_bands(out: &mut String, title: &str, bands: &[Band], axis: &Axis, y: f64
     }
 }
 
-/// A label in one line, or in two where it is too wide for one; none where it does not fit: it is in the tool tip.
+/// A label in one line, or in two where it is too wide for one. None where it does not fit: it is in the tool tip.
 fn fitted(label: &str, width: f64) -> Vec<String> {
     let fits = |line: &str| LETTER * line.chars().count() as f64 <= width;
     if fits(label) {

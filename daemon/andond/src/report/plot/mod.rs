@@ -1,4 +1,4 @@
-//! A recording as a picture: what was seen of each hand and part, and for each hand its features and contexts, with bands for IUs and
+//! A recording as a picture. It shows what was seen of each hand and part, and for each hand its features and contexts, with bands for IUs and
 //! activities.
 
 mod hand;

@@ -1,5 +1,5 @@
-//! When the journal itself was down. It hears of everybody else by their health; its own signs of life are in a file of the station's
-//! directory, from which its next start sees how long there were none. They end with the line, as that directory does.
+//! When the journal itself was down. It hears of everybody else by their health. Its own signs of life are in a file of the station's directory, from
+//! which its next start sees how long there were none. They end with the line, as that directory does.
 
 use std::path::PathBuf;
 use std::time::Duration;

@@ -4,7 +4,7 @@
 //!
 //! It is a role of its own because a fault or a slow scrape in `plc` could cost the handshake. Here it costs a scrape.
 //!
-//! The server reads and writes in a thread of its own; the loop of the role answers, so what it says of the line is of this moment.
+//! The server reads and writes in a thread of its own. The loop of the role answers, so what it says of the line is of this moment.
 
 mod counts;
 

@@ -22,7 +22,7 @@ pub(super) struct Glance {
     pub(super) picture: Picture,
     /// Markers of parts that are in view twice.
     pub(super) twice: Vec<u16>,
-    /// Markers of parts that are only found where the picture is mirrored, and where it is inverted; they are looked for while a part is missing.
+    /// Markers of parts that are only found where the picture is mirrored, and where it is inverted. They are looked for while a part is missing.
     pub(super) odd: [Vec<u16>; 2],
     /// Hands in the picture, also those that the station does not look for.
     pub(super) hands: usize,

@@ -49,8 +49,8 @@ pub(super) struct Label {
     pub(super) side_m: f64,
 }
 
-/// The four markers of the bench: their ids in the order left and right near the worker, right and left away from the worker, and the
-/// width and depth of the rectangle of their centres, whose middle is the origin.
+/// The four markers of the bench, with the width and depth of the rectangle of their centres, whose middle is the origin. Their ids are in this
+/// order: left and right near the worker, right and left away from the worker.
 pub(super) struct BenchCorners {
     pub(super) ids: [u16; 4],
     pub(super) size_m: [f64; 2],

@@ -8,7 +8,7 @@ use andon_host::config::Config;
 use crate::role;
 use crate::tool::jobs::is_same;
 
-/// The number of a new job that is written to `out`: the smallest that no job in the same folder and no job of the station has.
+/// The number of a new job that is written to `out`. The smallest that no job in the same folder and no job of the station has.
 pub(super) fn number_for(out: &Path, config: &Config) -> u32 {
     let taken: Vec<u32> = neighbours(out, config).into_iter().map(|(_, id)| id).collect();
     (1..).find(|id| !taken.contains(id)).unwrap_or(u32::MAX)

@@ -1,7 +1,7 @@
 //! The recordings that a job was taught from, found again: a job file names them without folders, with the hash of their bytes.
 //!
-//! They are looked for by name among the recordings that are given on the command line, then beside those, beside the job file and in the
-//! current folder. A file counts only if its bytes have the hash that the job file has.
+//! They are looked for by name, first among the recordings that are given on the command line. Then come those beside these, beside the job file and
+//! in the current folder. A file counts only if its bytes have the hash that the job file has.
 //!
 //! A path would make other bytes of the same job on another machine. A name alone would take a new recording for the old one.
 

@@ -1,8 +1,7 @@
 //! The SIMD path: 32 cells at once with the 256-bit vectors of x86-64-v3, found at run time.
 //!
-//! It computes the same integers as the portable path. It takes only motions that have symbols and costs that fit two bytes:
-//! ordinal ones, normalised ones with up to 15 bins, and circular ones with 4, 5, 6, 8, 10 or 12 bins. Everything else takes the
-//! portable path.
+//! It computes the same integers as the portable path. It takes only motions that have symbols and costs that fit two bytes. Those are ordinal costs,
+//! normalised ones with up to 15 bins, and circular ones with 4, 5, 6, 8, 10 or 12 bins. Everything else takes the portable path.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -18,8 +17,8 @@ pub(super) use none::Simd;
 use super::symbols::BLOCK;
 use crate::capacity::IU_FRAMES;
 
-/// The last row of a strip of 32 rows: column `j` is at `BORDER_ZERO - j`. It runs backwards because the vector whose last lane
-/// holds the last row's cell is stored whole: its other lanes land on columns that are written again later.
+/// The last row of a strip of 32 rows: column `j` is at `BORDER_ZERO - j`. It runs backwards because the vector whose last lane holds the last row's
+/// cell is stored whole. Its other lanes land on columns that are written again later.
 pub(super) type Border = [i32; BORDER_ROOM];
 
 /// Where column 0 is: after all columns and those that the last steps of a strip touch beyond them.

@@ -34,8 +34,8 @@ impl Bench {
     }
 }
 
-/// `[[objects]]`: a part or a tool. The frame of one that carries a marker is the marker's: its origin is the marker's
-/// centre, x points right and y up in the marker's own picture, z out of it.
+/// `[[objects]]`: a part or a tool. The frame of one that carries a marker is the marker's. Its origin is the marker's centre, x points right and y
+/// up in the marker's own picture, z out of it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Object {
     /// Identity: what jobs, verdicts and registers call it.

@@ -23,8 +23,8 @@ pub struct Journal {
 
 impl Default for Journal {
     fn default() -> Self {
-        // A year covers the time in which a complaint about a product comes back; 20 verdicts a minute in two shifts
-        // are some 5 million a year, 200 bytes each.
+        // A year covers the time in which a complaint about a product comes back. 20 verdicts a minute in two shifts are some 5 million a year, 200
+        // bytes each.
         Self { path: None, keep_days: 365, keep_mb: 1024 }
     }
 }

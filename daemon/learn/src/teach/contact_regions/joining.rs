@@ -1,7 +1,7 @@
 //! Where and how near one object comes to another.
 //!
-//! Two parts that are both put back meet only if that is the same place in all runs, to a centimetre: tools that lay side by side met in
-//! some runs. A tool that makes strokes meets a part in their middle.
+//! Two parts that are both put back meet only if that is the same place in all runs, to a centimetre. Tools that lay side by side met in some runs. A
+//! tool that makes strokes meets a part in their middle.
 
 use super::trajectory::{Dwell, Trajectories};
 use super::{
@@ -22,7 +22,7 @@ const MAX_PART_M: f32 = 0.25;
 /// Two parts of which one is only put back beside the other touch where their points come as near as this, in metres.
 const BESIDE_CONTACT_M: f32 = 0.005;
 
-/// In fewer runs than this, two parts come to the same place beside each other by chance, or a hand to the same place at a part.
+/// In fewer runs than this, two parts come to the same place beside each other by chance. So does a hand to the same place at a part.
 pub(super) const SAME_RUNS: usize = 3;
 
 /// How the first one meets the second; `None` if it does as the station says, or never.
@@ -96,9 +96,9 @@ fn runs_of(places: &[Place]) -> usize {
     places.iter().map(|place| place.run).collect::<BTreeSet<usize>>().len()
 }
 
-/// The places at which the two may touch, and the others. They are near, or as far as those that are near in another run. Where fewer than half
-/// of the runs have such a place, those farther away count where they are the same in all runs that have one, and no third object is nearer. What
-/// is put back beside a part that is put back as well only touches it if it is at the same place in all runs that have one.
+/// The places at which the two may touch, and the others. They are near, or as far as those that are near in another run. Where fewer than half of
+/// the runs have such a place, those farther away count. They must be the same in all runs that have one, and no third object nearer. What is put
+/// back beside a part that is put back as well touches it in one case only. It is at the same place in all runs that have one.
 fn touching(places: &[Place], runs: usize) -> (Vec<Place>, Vec<Place>) {
     let may_meet = may_meet(places);
     let met = places.iter().filter(|place| may_meet(place)).map(|place| place.at);
@@ -115,8 +115,8 @@ fn touching(places: &[Place], runs: usize) -> (Vec<Place>, Vec<Place>) {
     if are_same(&far) && is_shown { (far, others) } else { split }
 }
 
-/// Whether the two may meet at one of these places: what is put back beside a part that is put back as well does not, unless it is at the same place
-/// in all runs that have one.
+/// Whether the two may meet at one of these places. Two parts that are both put back side by side do not, unless it is at the same place in all runs
+/// that have one.
 fn may_meet(places: &[Place]) -> impl Fn(&Place) -> bool {
     let back: Vec<Place> = places.iter().filter(|place| place.is_beside).copied().collect();
     let is_put_together = are_same(&back) && runs_of(&back) >= SAME_RUNS;
@@ -133,7 +133,7 @@ fn are_within(max_m: f32, places: &[Point3<f32>]) -> bool {
     places.iter().all(|place| nalgebra::distance(place, &middle) < max_m)
 }
 
-/// Where a run shows the first of the two to dwell beside the other, farther away than two that come near each other so may touch.
+/// Where a run shows the first of the two to dwell beside the other. It is farther away than two that come near each other so may touch.
 pub(super) fn beside([one, other]: [usize; 2], shown: &Trajectories) -> Option<Point3<f32>> {
     let is_beside = |place: &Point3<f32>| (TOUCH_M..MAX_PART_M).contains(&place.coords.norm());
     shown.dwells(one, other).iter().map(|dwell| shown.place(one, other, dwell)).find(is_beside)
@@ -144,7 +144,7 @@ pub(super) fn are_one_place(places: &[Point3<f32>]) -> bool {
     are_within(SAME_PLACE_M, places)
 }
 
-/// How near the two come to each other where their points are given, in the dwells in which they may meet; `None` if not as near as by default.
+/// How near the two come to each other where their points are given, in the dwells in which they may meet. `None` if not as near as by default.
 fn at_given_points(
     [with, at]: [usize; 2],
     shapes: &[ObjectShape],

@@ -6,9 +6,9 @@
 //! Runs of a real person, recorded without points, had no contact at all. With the contacts that the runs show, each is right by the job of
 //! the others. The job file has them, and `encode` follows the job in force: its couples carry the hash, and the judge takes no others.
 //!
-//! Each constant was halved and doubled for 31 sets of runs, simulated people of a drawn seed and motion capture, with 96 right and 102 faulty jobs
-//! of others. [`SAME_PLACE_M`] halved misses 3 faults, `TOUCH_M` halved 7 and doubled 2. [`PUT_BACK_M`] halved accuses a right job and finds 4
-//! faults fewer, [`PUT_DOWN_M`] halved finds one fewer. The others change one verdict at most.
+//! Each constant was halved and doubled for 31 sets of runs, simulated people of a drawn seed and motion capture. The jobs of others were 96 right
+//! and 102 faulty ones. [`SAME_PLACE_M`] halved misses 3 faults, `TOUCH_M` halved 7 and doubled 2. [`PUT_BACK_M`] halved accuses a right job and
+//! finds 4 faults fewer, [`PUT_DOWN_M`] halved finds one fewer. The others change one verdict at most.
 
 mod hold;
 mod joining;
@@ -30,14 +30,14 @@ use nalgebra::Point3;
 use trajectory::Trajectories;
 pub(super) use unsure::incidental;
 
-/// Two positions that are no farther apart are one place, in metres: of finger tips at a part, of a part at another one, of a part that no hand has
-/// moved.
+/// Two positions that are no farther apart are one place, in metres. They are of finger tips at a part, of a part at another one, or of a part that
+/// no hand has moved.
 pub(super) const SAME_PLACE_M: f32 = 0.03;
 
 /// What is put back lies where it lay before, and what dwells stays where it is, to this many metres.
 pub(super) const PUT_BACK_M: f32 = 0.05;
 
-/// What has a place of its own is put down there as exactly as this, in metres, and what is put down beside a part is not.
+/// What has a place of its own is put down there as exactly as this, in metres. What is put down beside a part is not.
 pub(super) const PUT_DOWN_M: f32 = 0.01;
 
 /// A place that is learnt is no wider than this, in metres: a shelf is wider than the runs show.
@@ -123,8 +123,8 @@ fn apart_m(one: &[Point3<f32>], other: &[Point3<f32>]) -> f32 {
     all.fold(f32::INFINITY, f32::min)
 }
 
-/// As few points as are within a distance of all these, at most as many as an object can have: each next one is that which is farthest from
-/// those before (Gonzalez 1985).
+/// As few points as are within a distance of all these, at most as many as an object can have. Each next one is that which is farthest from those
+/// before (Gonzalez 1985).
 fn centres(points: &[Point3<f32>], near_m: f32) -> Vec<Point3<f32>> {
     let middle = median(points.iter().copied());
     let from_middle_m = |point: &Point3<f32>| (point - middle).norm();

@@ -4,12 +4,12 @@ use super::trajectory::Trajectories;
 use crate::teach::sequence::MIN_RUNS;
 use nalgebra::Vector3;
 
-/// The mean of directions that are the same, and of directions that have nothing in common: the length of the mean of unit vectors is 1 where
-/// all are alike, and about one by the root of their number where none is.
+/// The mean of directions that are the same, and of directions that have nothing in common. The length of the mean of unit vectors is 1 where all are
+/// alike. It is about one by the root of their number where none is.
 const ALIGNED_MEAN: f32 = 0.95;
 const UNALIGNED_MEAN: f32 = 0.7;
 
-/// Whether the orientation of an object differs from run to run where the way on which it is carried first does not: then it would turn all
+/// Whether the orientation of an object differs from run to run where the way on which it is carried first does not. It would then turn all
 /// directions that are measured in its frame of reference.
 pub(super) fn means_nothing(object: usize, shown: &[Trajectories]) -> bool {
     let ways: Vec<[Vector3<f32>; 2]> = shown.iter().filter_map(|run| run.first_way(object)).collect();

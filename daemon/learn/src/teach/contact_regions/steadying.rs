@@ -1,7 +1,7 @@
 //! Where a hand rests at a part that no hand carries: it steadies it.
 //!
-//! Nothing that moves shows such a contact. It is one where the hand comes to the same place at the part in all runs, rests there and leaves
-//! again, and holds nothing meanwhile. Where the hand rests in the beginning or at the end is no place at a part.
+//! Nothing that moves shows such a contact. It is one where the hand comes to the same place at the part in all runs. It rests there, leaves again,
+//! and holds nothing meanwhile. Where the hand rests in the beginning or at the end is no place at a part.
 
 use super::joining::{self, SAME_RUNS};
 use super::median;
@@ -9,7 +9,7 @@ use super::trajectory::{Tips, Trajectories, centre};
 use andon_core::capacity::HANDS;
 use nalgebra::Point3;
 
-/// The finger tips of the hands that rest at an object, in its frame of reference; none where not all runs show one hand at one place there.
+/// The finger tips of the hands that rest at an object, in its frame of reference. None where not all runs show one hand at one place there.
 pub(super) fn of(object: usize, shown: &[Trajectories]) -> Vec<Tips> {
     if shown.len() < SAME_RUNS || shown.iter().any(|run| run.carried_frames(object) > 0) {
         return Vec::new();

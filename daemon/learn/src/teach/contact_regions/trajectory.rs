@@ -24,16 +24,16 @@ const CARRIED_S: std::ops::Range<f64> = -0.3..0.7;
 /// A pause in which an object that is carried does not move, in seconds.
 const PAUSE_S: f64 = 1.0;
 
-/// Of two hands that move with an object, both hold it if the farther one does so in this share of the time, and brings nothing of its own;
-/// otherwise it passes by.
+/// Of two hands that move with an object, both hold it if the farther one does so in this share of the time. It must bring nothing of its own.
+/// Otherwise it passes by.
 const BOTH_HOLD: (usize, usize) = (3, 4);
 
-/// The nearer one holds it if it is the nearer one in this share of the time: the object is handed over, or both hold it.
+/// The nearer one holds it if it is the nearer one in this share of the time. The object is handed over, or both hold it.
 const ONE_HOLDS: (usize, usize) = (1, 4);
 
 pub(super) type Tips = [Point3<f32>; 3];
 
-/// The finger tips of the hands that move with an object, in its frame of reference, by the index of the side; at least one does.
+/// The finger tips of the hands that move with an object, in its frame of reference, by the index of the side. At least one does.
 type Carriers = [Option<Tips>; HANDS];
 
 /// The frames of a dwelling, and the places in metres.
@@ -132,8 +132,8 @@ impl Trajectories {
         }
     }
 
-    /// Whether a hand moves with another object in this frame that is nearer to it than this one: beside a hand that brings one part, the other
-    /// one may bring another.
+    /// Whether a hand moves with another object in this frame that is nearer to it than this one. Beside a hand that brings one part, the other one
+    /// may bring another.
     fn carries_nearer(&self, hand: usize, object: usize, frame: usize, than_m: f32) -> bool {
         let tips = |carried: &Vec<(usize, Carriers)>| {
             let index = carried.binary_search_by_key(&frame, |(frame, _)| *frame).ok()?;
@@ -143,8 +143,8 @@ impl Trajectories {
         others.filter_map(|(_, carried)| tips(carried)).any(|tips| from_middle_m(&tips) < than_m)
     }
 
-    /// The finger tips of a hand in the frame of reference of an object, each time that it comes, rests near it with nothing in the hand, and
-    /// leaves again. Where the hand is in the beginning or at the end it waits.
+    /// The finger tips of a hand in the frame of reference of an object. They are those of each time that it comes, rests near it with nothing in the
+    /// hand, and leaves again. Where the hand is in the beginning or at the end it waits.
     pub(super) fn rests(&self, hand: usize, object: usize) -> Vec<Vec<Tips>> {
         let seen = self.seen_at(hand, object);
         let ends = [seen.first(), seen.last()];
@@ -283,7 +283,7 @@ impl Trajectories {
         self.are_at(object, frame) == [Some(false); HANDS]
     }
 
-    /// For each hand, whether it is where it carried the object last; not if it did not carry it, and `None` where that is not seen.
+    /// For each hand, whether it is where it carried the object last. Not if it did not carry it, and `None` where that is not seen.
     fn are_at(&self, object: usize, frame: usize) -> [Option<bool>; HANDS] {
         let carried = &self.carried[object];
         let last = carried.partition_point(|(carried, _)| *carried <= frame).checked_sub(1);
@@ -358,7 +358,7 @@ fn strokes<'a>(
     (back.len() >= MIN_RETURNS).then(|| &places[*first..=*last])
 }
 
-/// How far apart two positions of an object that lies still seem to be at most, in metres; 0 where it is not seen in enough frames to tell.
+/// How far apart two positions of an object that lies still seem to be at most, in metres. 0 where it is not seen in enough frames to tell.
 fn jitter_bound_m(poses: &[Option<Isometry3<f32>>]) -> f32 {
     let place = |pose: &Option<Isometry3<f32>>| pose.map(|pose| pose.translation.vector.into());
     statistics::noise_m(&poses.iter().map(place).collect::<Vec<_>>())
@@ -382,7 +382,7 @@ mod tests {
     use super::*;
     use andon_core::input::{Object, Side};
 
-    /// Two hands and some objects at these places beside each other, in metres, which all go the same way at 0.6 m/s for half a second.
+    /// Two hands and some objects at these places beside each other, in metres. All go the same way at 0.6 m/s for half a second.
     fn side_by_side(hands: [f32; 2], objects: &[f32]) -> Trajectories {
         let frame = |index: u16| {
             let at = |x: f32| [x, 0.02 * f32::from(index), 0.0];

@@ -1,5 +1,5 @@
-//! Whether the runs can be trusted: nobody checks a job again once it is taught, so a demonstration that is not what it is taken for must
-//! be noticed here.
+//! Whether the runs can be trusted. Nobody checks a job again once it is taught, so a demonstration that is not what it is taken for must be noticed
+//! here.
 //!
 //! A [`Doubt`] speaks against learning from the runs. It accuses nobody: it is a sentence with the figure and with what to do, and whoever
 //! knows better teaches all the same. What was not seen of a run ([`Occluded`](super::Occluded)) is not learnt, and the rest of the run is.
@@ -19,9 +19,9 @@ use crate::run::Run;
 use andon_core::config::Method;
 use andon_core::dtw::Refused;
 
-/// The least frame rate of a run, as a share of that of the grid. Taught by five simulated people (three seeds) at 30 frames per second and
-/// thinned evenly, jobs from every second frame found 12 of 12 `J1` of other people, and jobs from every third frame 3 of 12: the motion is
-/// then measured in so few places that any motion is near it. The frames of a real camera come a little late now and then, hence not 0.5.
+/// The least frame rate of a run, as a share of that of the grid. Jobs were taught by five simulated people (three seeds) at 30 frames per second and
+/// thinned evenly. From every second frame they found 12 of 12 `J1` of other people, and from every third frame 3 of 12. The motion is then measured
+/// in so few places that any motion is near it. The frames of a real camera come a little late now and then, hence not 0.5.
 const MIN_SHARE: f64 = 0.45;
 
 /// What speaks against learning from the runs, and what to do about it.

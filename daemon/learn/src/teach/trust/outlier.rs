@@ -1,7 +1,7 @@
 //! Demonstrations of an IU that are not like the others.
 //!
-//! Each demonstration is held against all others, so that it cannot hide in a spread that it makes itself; centre and spread are medians, so
-//! that a second one like it does not hide it either. Ratios are compared: a slow person takes longer in every step.
+//! Each demonstration is held against all others, so that it cannot hide in a spread that it makes itself. Centre and spread are medians, so that a
+//! second one like it does not hide it either. Ratios are compared: a slow person takes longer in every step.
 
 use crate::distribution::{Distribution, Right};
 use crate::run::{Iu, Run};
@@ -25,8 +25,8 @@ const DEVIATIONS_PER_MEDIAN: f64 = 1.4826;
 /// Fewer reversals than this are no strokes that are missing, but noise at the beginning or end of one.
 const MIN_REVERSALS: f64 = 4.0;
 
-/// As many reversals as a share of those of the others, or as few, may come from a tracker that loses a part for a moment, beside those that it is
-/// known to have hidden. Half of the strokes are 7 of 12; one of 600 correct sets is doubted with this share, and with two thirds.
+/// A tracker that loses a part for a moment may add or hide as many reversals, as a share of those of the others. They are beside those that are
+/// known to be hidden. Half of the strokes are 7 of 12; one of 600 correct sets is doubted with this share, and with two thirds.
 const SEEN_REVERSALS: f64 = 0.8;
 
 /// The way in and out of the widest contact that is learnt, which ends at half as much again as the widest place, in metres.
@@ -52,9 +52,9 @@ struct Comparison {
 }
 
 /// All comparisons; what explains the others comes first. Durations and ways of simulated people differ by 0.05 to 0.2 (standard deviation of the
-/// logarithm), the reversals of six strokes by 0.03 and their DTW distances by 0.3. Cycles are counted, so that fewer spreads are enough, and two
-/// that count alike to find a third. The noise is one reversal, the five frames of a contact, a hand's width, and the distance of two motions that
-/// differ in a frame or two. A part that comes in unseen goes farther than one that is there.
+/// logarithm). The reversals of six strokes differ by 0.03 and their DTW distances by 0.3. Cycles are counted, so that fewer spreads are enough, and
+/// two that count alike to find a third. The noise is one reversal, the five frames of a contact, and a hand's width. Of motions it is the distance
+/// of two that differ in a frame or two. A part that comes in unseen goes farther than one that is there.
 const COMPARISONS: [Comparison; 4] = [
     Comparison::new(Some(Measure::Strokes), (3.2, 3), 0.08, 1.0, 0.0),
     Comparison::new(Some(Measure::Duration), (5.0, MIN_RUNS), 0.15, 0.17, 1.0),
@@ -73,8 +73,8 @@ impl Comparison {
         Self { measure, max_spreads, min_runs, min_spread, noise, per_hidden }
     }
 
-    /// What was hidden may be of the IU before or behind, a hand that waits may be about to work, and what comes quickly to another part touches it
-    /// later: as much less, or as much more, as brings the value nearest to the others.
+    /// What was hidden may be of the IU before or behind, and a hand that waits may be about to work. What comes quickly to another part touches it
+    /// later. It is as much less, or as much more, as brings the value nearest to the others.
     fn nearest(&self, value: f64, iu: &Iu, others: &[f64], in_and_out_m: f64) -> f64 {
         let seen = 1.0 - self.per_hidden * f64::from(iu.measures.hidden);
         let (waited, uncounted) = match self.measure {
@@ -126,9 +126,9 @@ fn do_most_agree(count: f64, others: &[f64]) -> bool {
     do_agree(&counts, MAJORITY)
 }
 
-/// Whether a count of reversals contradicts what the others prove: the number that they make, or that half of it is too few, whatever people make
-/// by feel. Who repeats no motion proves no number: of 210 sets of work by feel 9 were refused
-/// because one run had two reversals more there.
+/// Whether a count of reversals contradicts what the others prove. They prove the number that they make, or that half of it is too few, whatever
+/// people make by feel. Who repeats no motion proves no number: of 210 sets of work by feel 9 were refused because one run had two reversals more
+/// there.
 fn contradicts_number(count: f64, others: &[f64]) -> bool {
     let counts: Vec<u32> = others.iter().map(|count| *count as u32).collect();
     if counts.iter().any(|count| *count < MIN_REPEATED_REVERSALS) {
@@ -269,7 +269,7 @@ fn of_iu(
     Ok(())
 }
 
-/// How much of the way in and out may not lie within the contact of an IU with these demonstrations, in metres: none where most make strokes.
+/// How much of the way in and out may not lie within the contact of an IU with these demonstrations, in metres. None where most make strokes.
 fn in_and_out_m(context: Context, shown: &[Measures]) -> f64 {
     let reversals: Vec<f64> = shown.iter().map(|measures| f64::from(measures.reversals)).collect();
     let is_repeated = median(&reversals) as u32 >= MIN_REPEATED_REVERSALS;

@@ -1,21 +1,21 @@
 //! The same recording given more than once: it shows no more than once, and makes the spread look smaller than it is.
 //!
-//! A film that was encoded again, turned, made larger or shifted in time is the same run, and so is a track file with noise on it. Two runs are the
-//! same where the hands do the same to a few millimetres all the time, after one is moved as a whole in time and on the bench.
+//! A film that was encoded again, turned, made larger or shifted in time is the same run. So is a track file with noise on it. Two runs are the same
+//! where the hands do the same to a few millimetres all the time. One is first moved as a whole in time and on the bench.
 
 use super::{Doubt, names};
 use crate::run::Run;
 use andon_core::input::{Frame, Point, Side};
 
 /// The hands of two recordings of one run are no farther apart than this in nine of ten instants, in metres. The shipped films encoded again, turned,
-/// enlarged, and with little data, are 1.5 to 3.7 mm apart; of two different runs of one person the nearest are 4 cm apart.
+/// enlarged, and with little data, are 1.5 to 3.7 mm apart. Of two different runs of one person the nearest are 4 cm apart.
 const MAX_APART_M: f64 = 0.008;
 const MIN_NEAR_SHARE: f64 = 0.9;
 
 /// At least this share of the instants with a hand must be in both.
 const MIN_COMMON: f64 = 0.8;
 
-/// At least so many instants are compared, and the hands get about by so much, in metres: a hand that rests is alike in all runs.
+/// At least so many instants are compared, and the hands get about by so much, in metres. A hand that rests is alike in all runs.
 const MIN_INSTANTS: usize = 20;
 const MIN_SPREAD_M: f64 = 0.03;
 
@@ -24,7 +24,7 @@ const STEP_NS: i64 = 200_000_000;
 
 /// One recording may begin so much before the other one.
 const MAX_SHIFT_NS: i64 = 2_000_000_000;
-/// First the shift is found to this step, within which a hand at 1 m/s moves by 5 cm, and then exactly: half the time between two pictures makes a
+/// First the shift is found to this step, within which a hand at 1 m/s moves by 5 cm, and then exactly. Half the time between two pictures makes a
 /// centimetre of it.
 const COARSE_NS: i64 = 100_000_000;
 const FINE_NS: i64 = 5_000_000;
@@ -80,7 +80,7 @@ impl<'a> Tracks<'a> {
         exact.is_some_and(|(apart_m, _)| apart_m <= MAX_APART_M)
     }
 
-    /// How far the hands are apart in nine of ten instants, with the other recording later by so much, when it is moved onto this one; `None` where too
+    /// How far the hands are apart in nine of ten instants. The other recording is later by so much, and is moved onto this one. `None` where too
     /// little is in both.
     fn apart_m(&self, other: &Self, shift_ns: i64) -> Option<f64> {
         let (mut pairs, mut instants) = (Vec::new(), 0);
@@ -116,7 +116,7 @@ fn at(track: &[(u64, &Point)], now_ns: i64) -> Option<[f64; 3]> {
     Some([0, 1, 2].map(|axis| f64::from(here[axis]) * (1.0 - share) + f64::from(there[axis]) * share))
 }
 
-/// The distance that nine of ten pairs keep to, when all second points are turned about the bench's normal and moved so that they come as near to the
+/// The distance that nine of ten pairs keep to. All second points are turned about the bench's normal and moved so that they come as near to the
 /// first ones as they can. `None` where the hand hardly moves.
 fn apart_m(pairs: &[[[f64; 3]; 2]]) -> Option<f64> {
     let count = pairs.len() as f64;

@@ -160,7 +160,7 @@ impl Layout {
         svg.add(format_args!("<path class=\"{class}\" marker-end=\"url(#{head})\" d=\"{path}\"/>"));
     }
 
-    /// Where an arrow meets a step that is joined to these others, so that no two meet it in one point: beside each other as the others are.
+    /// Where an arrow meets a step that is joined to these others, so that no two meet it in one point. Beside each other as the others are.
     fn end(&self, step: &Place, others: impl Iterator<Item = usize>, other: usize) -> f64 {
         let position = |number: usize| (self.places[number].x, number);
         let others: Vec<(f64, usize)> = others.map(position).collect();

@@ -113,8 +113,8 @@ fn bad_pictures(
     ]
 }
 
-/// Trouble, name, filter. A camera that is moved by less takes markers less than a fifth of their side away; by more, it leaves no two of
-/// them in the picture.
+/// Trouble, name, filter. A camera that is moved by less takes markers less than a fifth of their side away. By more, it leaves no two of them in the
+/// picture.
 fn moved_cameras(random: &mut Rand64) -> [(Trouble, &'static str, String); 3] {
     let mut draw = |least: f64, most: f64| between(random, least, most);
     let [across, down] = [draw(0.05, 0.15), draw(0.05, 0.15)];

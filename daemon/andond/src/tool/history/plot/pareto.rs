@@ -43,7 +43,7 @@ pub(super) fn draw(out: &mut String, summary: &Summary<'_>, mut y: f64) -> f64 {
     y
 }
 
-/// What does not fit beside the bars has dots in its middle: the fault stands at its end, and the tool tip has all of it.
+/// What does not fit beside the bars has dots in its middle. The fault stands at its end, and the tool tip has all of it.
 fn shortened(fault: &str) -> String {
     const LETTERS: usize = 44;
     let count = fault.chars().count();

@@ -35,12 +35,11 @@ impl NullaryFnOnce for LastCell<'_> {
 }
 
 impl LastCell<'_> {
-    /// Works in strips of 32 rows. In step `t` of a strip, row `i` is at column `t - i`: these are 32 cells that do not depend on
-    /// each other, in the order of `Row`. The values for the next step stay in registers, and the last row of the strip goes to
-    /// the next strip through `border`.
+    /// Works in strips of 32 rows. In step `t` of a strip, row `i` is at column `t - i`. These are 32 cells that do not depend on each other, in the
+    /// order of `Row`. The values for the next step stay in registers, and the last row of the strip goes to the next strip through `border`.
     ///
-    /// Before its first and after its last column a row computes cells that no other cell needs: those before have only
-    /// unreached predecessors, and no cell depends on a column after its own.
+    /// Before its first and after its last column a row computes cells that no other cell needs. Those before have only unreached predecessors, and
+    /// no cell depends on a column after its own.
     #[inline(always)]
     fn planes<const N: usize>(self) -> Option<i32> {
         let Self { v3, x: (x, rows), y: (y, columns), border, .. } = self;

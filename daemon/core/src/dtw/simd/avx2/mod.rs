@@ -1,7 +1,7 @@
 //! The kernels for x86-64-v3.
 //!
-//! Everything that computes with vectors is in types that implement `NullaryFnOnce` or in functions that are always inlined:
-//! other functions would be compiled without the vector instructions and called for each of them.
+//! Everything that computes with vectors is in types that implement `NullaryFnOnce` or in functions that are always inlined. Other functions would be
+//! compiled without the vector instructions and called for each of them.
 
 mod costs;
 mod matrix;
@@ -56,8 +56,7 @@ impl Simd {
         Some(v3.vectorize(row::Advance { v3, digits, rest, frame, elevated, reference, length, row }))
     }
 
-    /// The value of the last cell of the DTW matrix of two sequences, given by symbols and length, `y` read backwards; `None` if
-    /// it is above `bound`.
+    /// The value of the last cell of the DTW matrix of two sequences, given by symbols and length, `y` read backwards. `None` if it is above `bound`.
     pub(in crate::dtw) fn last_cell(
         &self,
         x: (&Symbols, usize),

@@ -76,8 +76,8 @@ fn gather(motions: &[Motion], start: usize, backwards: bool) -> [[u64; 4]; 8] {
     rows
 }
 
-/// From motions to features: vector `i` of eight holds motions `2 i` and `2 i + 1` of the first 16 in its first half, and those
-/// of the second 16 in its second half.
+/// From motions to features. Vector `i` of eight holds motions `2 i` and `2 i + 1`, those of the first 16 in its first half. Those of the second 16
+/// are in its second half.
 #[inline(always)]
 fn transpose(v3: V3, rows: &[[u64; 4]; 8]) -> [__m256i; 8] {
     let avx2 = v3.avx2;

@@ -33,10 +33,10 @@ impl NullaryFnOnce for Advance<'_> {
 }
 
 impl Advance<'_> {
-    /// In a plain loop each cell waits for the cell to its left: a minimum and an addition. Here the 32 cells of a block are first
-    /// computed as if nothing came from the left, four in each lane. Then the lanes are combined in three steps of doubling width,
-    /// without waiting for the block before. Last, the value from that block is added, so that only one addition, one minimum
-    /// and one broadcast remain in the chain from block to block.
+    /// In a plain loop each cell waits for the cell to its left: a minimum and an addition. Here the 32 cells of a block are first computed as if
+    /// nothing came from the left, four in each lane. Then the lanes are combined in three steps of doubling width, without waiting for the block
+    /// before. Last, the value from that block is added. Only one addition, one minimum and one broadcast then remain in the chain from block to
+    /// block.
     #[inline(always)]
     fn planes<const N: usize>(self) -> i32 {
         let Self { v3, length, row, .. } = self;
