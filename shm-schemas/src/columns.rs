@@ -1,7 +1,8 @@
 //! The values of a verdict as a table: what each is called, and how its number is meant.
 //!
-//! It is declared once, and whoever writes verdicts down goes through it: the rows of the journal and their way back, and CSV. What has no
-//! meaning in a verdict is [`Value::None`] there, whatever number stands for it on the wire.
+//! It is declared once, and whoever writes verdicts down goes through it: the rows of the journal and their way back, and CSV. JSON, the registers
+//! and the types for C have forms of their own, and a test of `andond`, `verdict_columns`, holds them to it. What has no meaning in a verdict is
+//! [`Value::None`] there, whatever number stands for it on the wire.
 
 use crate::part::PartId;
 use crate::verdict::{
