@@ -6,7 +6,7 @@ DEBIAN_TEST := ffmpeg mbpoll poppler-utils python3-venv systemd
 # From OpenCV 4.7 on the marker detector is in another of its modules.
 OBJDETECT = $(shell pkg-config --atleast-version=4.7 opencv4 && echo --features andond/objdetect)
 
-.PHONY: setup packages test-packages build demo test test-times lint deny bench line chaos power-loss deaf soak modbus-fuzz plc-latency degraded-clips sight deletions deb nspawn debian-13
+.PHONY: setup packages test-packages build demo test test-times lint deny bench stations line chaos power-loss deaf soak modbus-fuzz plc-latency degraded-clips sight deletions deb nspawn debian-13
 
 setup: packages
 	python3 daemon/perception/models/provision.py $(RUNTIME)
@@ -61,6 +61,10 @@ bench: setup test-packages line
 SEED = $(shell shuf -i 1-99999 -n 1)
 chaos: line test-packages
 	target/release/chaos 1000 $(SEED) target/chaos/report.json 600
+
+# Plays the clips at 30 Hz through 4, 6, 8 and 10 stations at once, and says which share of their frames is looked at.
+stations: setup line
+	tests/benches/stations.py
 
 # Takes the power from a line 500 times, in the middle of what the journal does to its disk; writes target/power_loss/report.json.
 power-loss: line
