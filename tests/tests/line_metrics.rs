@@ -110,6 +110,8 @@ fn frames_are_counted_as_the_channel_numbers_them_and_verdicts_as_the_journal_ha
     line.start_all_but(&["steward"]);
     let node = Node::open(&line.station, RoleId::Tool, PATIENCE, &Stop::new().unwrap()).unwrap();
     let mut detections = node.reader::<Detections>().unwrap();
+    // A frame that comes before `perceive` is there is nobody's loss, and it is there only once its models are loaded.
+    watcher.until("perceive", |watcher| watcher.health(RoleId::Perceive).is_some());
     line.start("capture");
     // Frames go on while `perceive` stands still, and it goes on with the newest.
     watcher.until("some frames", |watcher| {

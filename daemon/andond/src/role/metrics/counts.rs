@@ -89,7 +89,7 @@ impl Counts {
             "Frames in which hands and objects were looked for",
             self.processed.clone(),
         );
-        let skipped = "Frames that were never processed, or that the camera itself lost";
+        let skipped = "Frames that perceive did not process while it ran, or that the camera itself lost";
         r.register("frames_skipped", skipped, self.skipped.clone());
         r.register(
             "messages_lost",
