@@ -94,7 +94,7 @@ Generated from `daemon/plc/src/registers` by `cargo run -p andon-plc --example r
 - Addresses are protocol addresses and count from 0. Add 1 where a tool counts from 40001 or 30001.
 - Functions 3 (read holding registers) and 4 (read input registers) read the same registers. Functions 6 and 16 write the registers
   from {CONTROL_BASE} on; they need `plc.writes = true` in the configuration. Registers 0 to 124 fit in one read request, and 100 to
-  124 in one write request: a controller may simply exchange both in every cycle.
+  124 in one write request. A controller may simply exchange both in every cycle.
 - Exception 1: the function is not served, or a client that may only read tries to write. Exception 2: the address is outside the map, or
   the register is read-only. Exception 3: the request is malformed, or it sets a control bit that has no meaning. Addresses
   below {CONTROL_BASE} that are not in the table read as 0.
@@ -102,9 +102,9 @@ Generated from `daemon/plc/src/registers` by `cargo run -p andon-plc --example r
 - Only the clients in `plc.allow` may connect, {connections} of them at once, and only those in `plc.commanders` may write:
   normally the one PLC. The log names the address of every other client that tries. A connection that sends no complete request for {idle_s} s is closed.
 - Inside a register Modbus is big-endian. A value of two or four registers has its most significant register first, which is
-  `plc.word_order = \"big\"`, the default. With `\"little\"` the least significant register is first, so that a controller with a
-  little-endian processor can lay the registers over a variable of 32 or 64 bits.
-- A text has {PART_BYTES} bytes of printable ASCII in {words} registers, whatever `plc.word_order` is: the first character is the high byte of the
+  `plc.word_order = \"big\"`, the default. With `\"little\"` the least significant register is first. A controller with a
+  little-endian processor can then lay the registers over a variable of 32 or 64 bits.
+- A text has {PART_BYTES} bytes of printable ASCII in {words} registers, whatever `plc.word_order` is. The first character is the high byte of the
   first register, the second its low byte. It is padded with zeros. A client may also pad it with spaces; what follows the
   first zero is ignored.
 - Numbers of activities and IUs count from 0.
@@ -138,22 +138,22 @@ turn: a controller that was away gets everything that was judged meanwhile. A re
 `overrun` is set, `lost` counts it, and `sequence` has a gap of one.
 
 **A restart loses nothing.** The journal keeps what was acknowledged, what waits, `lost`, `overrun` and `error`. After a restart of this
-server `boot` is higher, the control block is 0, and the result that was not acknowledged is offered again under its old `sequence`:
-a client that has already taken a result of this number acknowledges it again and does not count it twice. A client that writes in
-every cycle may still write its old control block after the restart, before it can know of it: that is why `acknowledge` names its
-result. An acknowledgement that names any other result than the offered one is refused, and nothing is lost.
+server `boot` is higher, the control block is 0, and the result that was not acknowledged is offered again
+under its old `sequence`. A client that has already taken a result of this number acknowledges it again and does not count it twice. A client
+that writes in every cycle may still write its old control block after the restart, before it can know of it. That is why `acknowledge`
+names its result. An acknowledgement that names any other result than the offered one is refused, and nothing is lost.
 
 Without `plc.writes` nobody can acknowledge. A result then stays for at least {hold_ms} ms, and until another one takes its place. A result
 that comes while {QUEUE} wait is lost: such a client is meant to see what happens now. Watch `sequence`: a gap is a loss. `overrun` stays set once it is set.
 
 **No result is torn.** Each request is answered from one state, so a block that is read in one request belongs to one result. A client
-that needs several requests reads upwards from `sequence` to `sequence_end`, and discards what it has read unless the two are equal;
-one that does not want the part may end at `sequence_copy`, and one that wants the measure reads on to `sequence_measure`, which must be equal too.
-`sequence` only grows, so nothing can have changed between two equal values, even if every register is read by itself: for the
+that needs several requests reads upwards from `sequence` to `sequence_end`, and discards what it has read unless the two are equal.
+One that does not want the part may end at `sequence_copy`. One that wants the measure reads on to `sequence_measure`, which must be equal too.
+`sequence` only grows, so nothing can have changed between two equal values, even if every register is read by itself. For the
 halves of two sequences to look alike, 65,536 results would have to pass between two requests.
 
 **Silence is never OK.** Treat the station as not ready when `heartbeat` has not moved for 1 s or when `ready` is not set. `ready` drops within
-2 s when the camera or a process of the station fails, and within 4 s when the journal hangs, as it may for a while on a busy disk;
+2 s when the camera or a process of the station fails. It drops within 4 s when the journal hangs, as it may for a while on a busy disk.
 `busy` drops with it. `error` then names the first fault and stays until `reset_error`; without `plc.writes` it stays until the station is ready again. A result that is offered at that time
 stays offered.
 
@@ -167,35 +167,35 @@ stays offered.
 counts as having refused. Write `load_job_id` and `load_model_hash` before `load_job`, or in the same request; `job_in_force` and `hash_in_force` say
 which job the judge has. A job that is refused changes nothing.
 
-While a job runs `load_job` is refused, unless a fault is latched: then `busy` is not set, the running job will have no result that counts, and a
+While a job runs `load_job` is refused, unless a fault is latched. Then `busy` is not set, and the running job will have no result that counts. A
 lasting fault must not keep the cell from changing over. The judge aborts the job as not judged, and reports no anomaly in it.
 
 **Whose bit it is.** Each client that writes `control` writes all of its bits. Where two clients write (`plc.commanders`), such as a PLC and a panel, both
-write `control_set` and `control_clear` instead: a panel that resets an error sets and clears `reset_error`, and `enable` stays the PLC's.
+write `control_set` and `control_clear` instead. A panel that resets an error sets and clears `reset_error`, and `enable` stays the PLC's.
 
 ## The part
 
 1. Before the part comes to the bench, write its id to `part` and set `set_part`, in one request. Blanks and line ends at its two ends are no part
    of it, as scanners add them. An empty id is allowed: zeros, or nothing else than blanks and line ends.
 2. Wait for `carried_out`, as for every command: then `next_part` shows the id. Clear `set_part`.
-3. The id goes with every verdict of every job that begins from then on, until another one is set: in `result_part`, in the journal,
+3. The id goes with every verdict of every job that begins from then on, until another one is set. It is in `result_part`, in the journal,
    in the output of `andond tail --json` and in the struct for C.
 
-**It counts from the next job on.** A job begins with the first touch, or with `start`, and keeps the id that was in force then. An id
-that is set in the middle of a job is for the next job: so a PLC can set it while the worker is still finishing the part before.
+**It counts from the next job on.** A job begins with the first touch, or with `start`. It keeps the id that was in force then. An id
+that is set in the middle of a job is for the next job. So a PLC can set it while the worker is still finishing the part before.
 
-**Never the wrong one.** An id with another byte that is not printable ASCII is refused, and the next job has none instead of the one before. A judge that
+**Never the wrong one.** An id with another byte that is not printable ASCII is refused. The next job then has none instead of the one before. A judge that
 starts again is given the id before `enable`; to it, what the worker goes on with is a new job. After a restart of this server the client
 sets the id again, before it writes `enable`; the judge keeps the last one until then. Where nothing was ever written here, a scanner
 or a person gives the id by `andond part ID`; once `set_part` was used, that is refused.
 
 **A judge that restarts gets its job again.** With `plc.writes` nothing is judged before `enable` is first written. A judge that starts again is given `enable` and the job
-that was loaded last, and until it has both, `ready` is not set. The journal keeps the loaded job over a restart of this server too; the
+that was loaded last, and until it has both, `ready` is not set. The journal keeps the loaded job over a restart of this server too. The
 control block is 0 then, and nothing is judged until the client writes `enable` again.
 
 ## A program for the PLC
 
-[`andon.st`](andon.st) is a whole client in structured text (IEC 61131-3), to be copied: it sets parts, loads jobs, takes results,
+[`andon.st`](andon.st) is a whole client in structured text (IEC 61131-3), to be copied. It sets parts, loads jobs, takes results,
 acknowledges them, and goes on after a restart of either side. A test runs exactly this text through a shift with faults and kills, and
 compares its account with the journal.
 "

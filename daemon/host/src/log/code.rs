@@ -64,11 +64,11 @@ table! {
     ERROR 208 CALIBRATION_REFUSED: "the calibration cannot be used",
         "Make a new one with `andond calibrate`";
     WARN 210 TRACK_CUT_SHORT: "the track file ends in the middle of a line",
-        "The tracker was stopped while it wrote, so nothing is said of the end: copy the file again, or remove that line if no more is missing";
+        "The tracker was stopped while it wrote, so nothing is said of the end. Copy the file again, or remove that line if no more is missing";
     WARN 211 BENCH_NOT_FOUND: "the depth picture does not show the bench; until it does, nothing has a position",
         "Clear the bench and let the camera look down on it, or calibrate with `andond calibrate`";
     ERROR 212 PICTURE_FROZEN: "the picture has stopped: the camera sends the same one again and again",
-        "Unplug the camera and plug it in again; if that helps only for a while, give it a USB port and a cable of its own";
+        "Unplug the camera and plug it in again. If that helps only for a while, give it a USB port and a cable of its own";
     ERROR 213 PICTURE_BLACK: "the picture is black",
         "Switch on the light, take the cap off the lens, and look at camera.exposure_us";
     ERROR 214 PICTURE_WHITE: "the picture is white",
@@ -80,7 +80,7 @@ table! {
     ERROR 217 PICTURE_NOISY: "the picture is so noisy that nothing is found",
         "Light the bench better, or give the camera a longer camera.exposure_us";
     WARN 218 TOO_FEW_FRAMES: "too few pictures are processed to judge by them",
-        "Stop what else runs on the machine, or choose perception.hand_model = \"lite\" or a lower camera.rate_hz; a camera in the dark gives fewer by itself: light the bench better";
+        "Stop what else runs on the machine, or choose perception.hand_model = \"lite\" or a lower camera.rate_hz. A camera in the dark gives fewer by itself: light the bench better";
     ERROR 219 MARKERS_FOREIGN: "none of the station's markers has been seen, although there are others or hands at work",
         "Compare the printed markers with perception.dictionary and with the ids under [[objects]]; they must lie flat, whole and in the light";
     ERROR 220 HANDS_NOT_FOUND: "parts move, and no hand is found",
@@ -103,7 +103,7 @@ table! {
     WARN 307 NOT_JUDGED: "a step could not be judged",
         "Look at the product; the reason names what was missing";
     WARN 308 OVERLOAD: "too few frames came, none for a while, or a step lasted longer than can be compared: it could not be judged",
-        "Where frames are missing, stop what else runs on the machine, or choose perception.hand_model = \"lite\"; a step of more than 2048 frames, about a minute at 30 Hz, must be taught as shorter activities";
+        "Where frames are missing, stop what else runs on the machine, or choose perception.hand_model = \"lite\". A step of more than 2048 frames, about a minute at 30 Hz, must be taught as shorter activities";
     INFO 309 COMMAND: "the PLC or a person gave a command", "";
     WARN 310 COMMAND_REFUSED: "a command is malformed or does not fit the state",
         "Check the order of the commands against the register map";
@@ -120,7 +120,7 @@ table! {
     ERROR 403 JOURNAL_LOCKED: "another program holds the journal's lock",
         "Close that program: `fuser -v FILE` names it; `andond history` needs no lock and may run";
     ERROR 404 JOURNAL_DAMAGED: "the journal's database is damaged or of a newer version",
-        "A damaged one was put aside under the name that the message gives, and `sqlite3 .recover` may repair it; a newer one opens in the version of Andon that wrote it";
+        "A damaged one was put aside under the name that the message gives, and `sqlite3 .recover` may repair it. A newer one opens in the version of Andon that wrote it";
     WARN 405 JOURNAL_GAP: "verdicts were lost before they could be written; the gap is recorded",
         "Look at the messages before this one for the reason";
     INFO 406 JOURNAL_TRIMMED: "old verdicts were removed by age or size", "";
@@ -140,7 +140,7 @@ table! {
     WARN 505 PLC_WRITE_REFUSED: "a client that may only read tried to write",
         "Set plc.writes = true and name it in plc.commanders if it should write";
     ERROR 506 PLC_PORT_TAKEN: "the Modbus port cannot be opened",
-        "Another program has it, perhaps another station of this machine: each needs a plc.port of its own; or plc.bind is not an address of this machine, or the port is below 1024, for which andon-plc@.service says what is needed";
+        "Another program has it, perhaps another station of this machine: each needs a plc.port of its own. Or plc.bind is not an address of this machine. For a port below 1024 andon-plc@.service says what is needed";
     WARN 507 PLC_OVERRUN: "results are lost to the PLC: the journal could not take them or, without plc.writes, more came than can wait",
         "`andond history` shows what the journal has, and a gap for what it has not. Where no result may be missed set plc.writes = true: then each waits until it is acknowledged";
     WARN 508 PLC_BAD_REQUEST: "a Modbus request was malformed or outside the register map",
@@ -192,7 +192,7 @@ table! {
         "Correct what is listed; `andond check -c FILE` checks a file without starting anything";
     WARN 802 CONFIGURATION_CHANGED: "the configuration files have changed since the line started, and the changes are not in force yet",
         "Check them with `andond check -c FILE`, then restart the station's target when no job is running: `systemctl restart andon@NAME.target`";
-    WARN 803 CONFIGURATION_NOT_KEPT: "the line's configuration, or the job that a command has loaded, cannot be saved: a role that restarts will begin with what the files say at that time",
+    WARN 803 CONFIGURATION_NOT_KEPT: "the line's configuration, or the job that a command has loaded, cannot be saved. A role that restarts will begin with what the files say at that time",
         "Make room in the file system of station.root, and restart the station's target";
 }
 
@@ -213,8 +213,8 @@ pub fn group(number: u32) -> &'static str {
 #[must_use]
 pub fn index() -> String {
     let mut page = String::from(
-        "# Codes\n\nEvery message for a technician has one of these codes. If there is something to do, the message ends with it: with the\n\
-         remedy of this page, or with a narrower one where the cause is known. A code never changes its meaning. This page is\n\
+        "# Codes\n\nEvery message for a technician has one of these codes. If there is something to do, the message ends with it. It is\n\
+         the remedy of this page, or a narrower one where the cause is known. A code never changes its meaning. This page is\n\
          generated from `src/log/code.rs`.\n",
     );
     for (first, title) in GROUPS {

@@ -30,7 +30,7 @@ pub mod status {
         (
             READY,
             "ready",
-            "camera, every process of the station and the journal work, the judge watches (`enable`, or `plc.writes` is false) and has the job that was loaded, and no error is latched",
+            "camera, every process of the station and the journal work, and no error is latched. The judge watches (`enable`, or `plc.writes` is false) and has the job that was loaded",
         ),
         (BUSY, "busy", "a job is running"),
         (DONE, "done", "a result is offered and not acknowledged"),

@@ -86,8 +86,7 @@ impl Object {
             &mut self.interaction_points,
             several(1, capacity::INTERACTION_POINTS, within(-2.0, 2.0, "m")),
             "[[0.0, 0.0, -0.022], [0.104, 0.016, -0.011]]",
-            "Where the object is gripped and where it touches other objects, in the object's frame: its origin is the \
-             marker's centre, x points right and y up in the marker's own picture, z out of it. Without them the runs of a job show it.",
+            "Where the object is gripped and where it touches other objects, in the object's frame. Its origin is the marker's centre, x points right and y up in the marker's own picture, z out of it. Without them the runs of a job show it.",
         );
     }
 }

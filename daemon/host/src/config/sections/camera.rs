@@ -130,8 +130,7 @@ impl Camera {
             "source",
             &mut self.source,
             (),
-            "Where the frames come from: a video file, a folder of pictures, a V4L2 device, a track file of an \
-             outside tracker, a RealSense camera, or a RealSense recording (bag).",
+            "Where the frames come from: a video file, a folder of pictures, a V4L2 device, or a track file of an outside tracker. It may also be a RealSense camera, or a RealSense recording (bag).",
         );
         k.optional(
             "path",
@@ -145,8 +144,7 @@ impl Camera {
             "encoding",
             &mut self.encoding,
             (),
-            "How the V4L2 device sends its pictures: as they are (yuyv, nv12), which takes least work but fills a USB 2 cable at 640 x 480, \
-             as JPEG (mjpeg), or the first of these in which it has the configured size and rate (auto).",
+            "How the V4L2 device sends its pictures. As they are (yuyv, nv12), they take least work but fill a USB 2 cable at 640 x 480. As JPEG (mjpeg) they take less of the cable. With auto it is the first of these in which it has the configured size and rate.",
         );
         k.key(
             "width",

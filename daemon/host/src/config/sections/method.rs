@@ -25,7 +25,7 @@ pub(in crate::config) fn keys(method: &mut Method, k: &mut impl Keys) {
     contact(
         &mut method.object_contact,
         ["object_contact_on_m", "object_contact_off_m"],
-        "Object and object: a contact begins when their interaction points come closer than this, or when one that a hand brings comes to rest within the distance at which it ends.",
+        "Object and object. A contact begins when their interaction points come closer than this. It also does when one that a hand brings comes to rest within the distance at which it ends.",
         k,
     );
     k.key(
@@ -56,13 +56,13 @@ pub(in crate::config) fn keys(method: &mut Method, k: &mut impl Keys) {
         "blind_ms",
         &mut method.blind_ms,
         within(50, 10_000, "ms"),
-        "When a hand or an object is hidden for longer than this, it is out of sight: the running IU is not judged, and is never OK. Shorter gaps are bridged where what is seen afterwards fits.",
+        "When a hand or an object is hidden for longer than this, it is out of sight. The running IU is then not judged, and is never OK. Shorter gaps are bridged where what is seen afterwards fits.",
     );
     k.key(
         "idle_end_ms",
         &mut method.idle_end_ms,
         within(500, 600_000, "ms"),
-        "A pause: no hand has been seen for this long. The job ends with it if all of it was done, or if something on the bench was moved meanwhile; otherwise it goes on when the worker is back.",
+        "A pause: no hand has been seen for this long. The job ends with it if all of it was done, or if something on the bench was moved meanwhile. Otherwise it goes on when the worker is back.",
     );
 }
 

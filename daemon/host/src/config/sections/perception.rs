@@ -62,8 +62,7 @@ impl Perception {
             "hand_model",
             &mut self.hand_model,
             (),
-            "The hand models: the larger ones with landmarks computed in bytes (quantised), the same as they were published, which \
-             take twice as long (full), or the smaller, less exact ones (lite).",
+            "The hand models. They are the larger ones with landmarks computed in bytes (quantised), or the same as they were published, which take twice as long (full). The smaller ones are less exact (lite).",
         );
         k.key(
             "hands",
@@ -81,8 +80,7 @@ impl Perception {
             "marker_search",
             &mut self.marker_search,
             (),
-            "Where markers are looked for: while all are seen, around the places where they were, and in the whole picture as soon as one is \
-             missing (near), or in the whole picture of every frame (whole). Both find the same markers in the same frames; near takes half \
+            "Where markers are looked for. With near it is around the places where they were, and in the whole picture as soon as one is missing. With whole it is in the whole picture of every frame. Both find the same markers in the same frames; near takes half \
              the time, and in a noisy picture a seventh.",
         );
     }
