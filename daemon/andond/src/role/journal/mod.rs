@@ -42,7 +42,7 @@ struct Keeper {
     health: Reader<Health>,
     audits: Reader<Audit>,
     /// What was done and is not written yet.
-    audits: VecDeque<Audit>,
+    unwritten_audits: VecDeque<Audit>,
     watching: Watching,
     delivery: Delivery,
     /// Verdicts in gaps that have been logged.
@@ -110,7 +110,7 @@ impl Keeper {
             verdicts: cycle.node().reader()?,
             health: cycle.node().reader()?,
             audits: cycle.node().reader()?,
-            audits: VecDeque::new(),
+            unwritten_audits: VecDeque::new(),
             watching: Watching::new(config),
             lost: 0,
             removed: 0,
@@ -151,9 +151,9 @@ impl Keeper {
             self.watching.receive(&health);
         }
         self.watching.look();
-        while self.audits.len() < MAX_AUDITS {
+        while self.unwritten_audits.len() < MAX_AUDITS {
             let Some(audit) = self.audits.take()? else { break };
-            self.audits.push_back(*audit);
+            self.unwritten_audits.push_back(*audit);
         }
         while self.journal.has_room() {
             let Some(verdict) = cycle.take(&mut self.verdicts)? else { break };
@@ -200,9 +200,9 @@ impl Keeper {
             self.delivery.keep(&mut self.journal)?;
         }
         self.watching.write(&mut self.journal)?;
-        while let Some(audit) = self.audits.front() {
+        while let Some(audit) = self.unwritten_audits.front() {
             self.journal.record(audit)?;
-            self.audits.pop_front();
+            self.unwritten_audits.pop_front();
         }
         let was_failing = std::mem::take(&mut self.is_failing);
         if was_failing {
