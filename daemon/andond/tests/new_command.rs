@@ -56,6 +56,7 @@ fn a_command_of_a_few_lines_reads_a_recording_and_ends_with_a_code_of_all_comman
     recorder.finish().unwrap();
     let path = path.to_str().unwrap();
     assert_eq!(call(&["hands", path]), ("a hand is seen in 3 of 4 frames\n".to_owned(), Code::Stopped));
+    // Neither arguments that are missing nor a file that is become right by another try.
     assert_eq!(call(&["hands"]).1, Code::Usage);
-    assert_eq!(call(&["hands", &format!("{path}.none")]).1, Code::Configuration);
+    assert_eq!(call(&["hands", &format!("{path}.none")]).1, Code::Usage);
 }

@@ -25,10 +25,10 @@ fn filled() -> Verdict {
 
 /// The verdict with another value in this column.
 fn with_another(verdict: &Verdict, Column { name, get, set }: &Column) -> Verdict {
-    let more = if name.ends_with("_ns") { 1_000_000_000 } else { 1 };
+    let bit = if name.ends_with("_ns") { 1_000_000_000 } else { 1 };
     let value = match get(verdict) {
         Value::None => unreachable!("{name} is filled"),
-        Value::Whole(number) | Value::Hash(number) | Value::Time(number) => Value::Whole(number + more),
+        Value::Whole(number) | Value::Hash(number) | Value::Time(number) => Value::Whole(number ^ bit),
         Value::Number(number) => Value::Number(number + 1.0),
         Value::Word(_) | Value::Unknown(_) => Value::Unknown(2),
         Value::Text(_) => Value::Text("b"),

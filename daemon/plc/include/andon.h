@@ -461,8 +461,7 @@ typedef struct AndonStatus {
    */
   uint8_t writer_gone;
   /**
-   * 1 while every process of the station says that it runs, perceive that it sees the bench, and the judge that it watches a job,
-   * otherwise 0. Silence is 0.
+   * 1 while every process of the station says that it runs, perceive sees the bench and the judge watches a job, otherwise 0. Silence is 0.
    */
   uint8_t ready;
   /**
