@@ -83,8 +83,8 @@ def times(ran, total_s):
     head = f"""# What each test program takes
 
 `make test-times` writes this page. It is from one run on one machine ({os.cpu_count()} processors, {platform.machine()}), with up to
-{PROGRAMS} programs side by side, and no promise: compare rows of one page with each other, or two pages of one machine. *Seconds* are
-by the clock, beside the others; *processor* is what the program and the processes that it waited for computed. All together: {total_s:.0f} s.
+{PROGRAMS} programs side by side. Compare rows of one page with each other, or two pages of one machine. *Seconds* are by the clock,
+beside the others; *processor* is what the program and the processes that it waited for computed. All together: {total_s:.0f} s.
 
 | program | seconds | processor |
 |---|---|---|
@@ -109,7 +109,8 @@ def main():
     failed = [name for _, _, name, is_well in ran if not is_well]
     print(f"{len(ran)} programs in {total_s:.0f} s; longest: {longest}")
     print(f"to repeat this draw: {repeat}")
-    if page:
+    # What a failed program takes is how long it waited in vain.
+    if page and not failed:
         page.write_text(times(ran, total_s))
     sys.exit(f"failed: {', '.join(failed)}; the draw was {seeds}" if failed else 0)
 

@@ -23,7 +23,7 @@ use heapless::{Deque, Vec};
 use crate::detections::{HANDS, HandDetection, LANDMARKS, OBJECTS, PlacedObject, Side};
 
 /// After this much travel it is decided whether hand and object move together, in metres: twice what landmarks and markers
-/// wander at rest.
+/// jitter at rest.
 const TRAVEL_M: f64 = 0.020;
 
 /// Hand and object move together while the object is within this share of the travel from where the hand would have taken it. It is halfway between
@@ -33,14 +33,14 @@ const TOGETHER_SHARE: f64 = 0.5;
 /// How long a pose follows the hand, in nanoseconds. A reach takes less, and a part that was put down unseen is misplaced for no longer.
 const MAX_HIDDEN_NS: u64 = 1_000_000_000;
 
-/// A grip that has widened by this much has let go, in metres. Landmarks wander by 5 mm, and fingers clear a part on both sides, which takes at least
+/// A grip that has widened by this much has let go, in metres. Landmarks drift by 5 mm, and fingers clear a part on both sides, which takes at least
 /// twice that.
 const OPENED_M: f64 = 0.010;
 
 /// Letting go takes no longer than this, in nanoseconds; slower changes of a grip are the turns of a wrist.
 const OPENING_NS: u64 = 300_000_000;
 
-/// An object that has moved by this much since the hand opened is still carried, in metres. Markers at rest wander by a tenth of a millimetre, and a
+/// An object that has moved by this much since the hand opened is still carried, in metres. Markers at rest jitter by a tenth of a millimetre, and a
 /// part that is put down settles by 2 mm.
 const MOVED_M: f64 = 0.005;
 
