@@ -231,7 +231,7 @@ mod tests {
                 "",
                 "kept: the share of what came that it did not lose since its start; of a core: now; typical and p99: the time that one takes",
                 "look here: perceive: AND-218, too few pictures are processed to judge by them: 2.4 of 30.0 per second, and the job needs 7.5. \
-                 It has kept 8 of 100 frames. Stop what else runs on the machine, or choose perception.hand_model = \"lite\" or a lower camera.rate_hz; a camera in the dark \
+                 It has kept 8 of 100 frames. Stop what else runs on the machine, or choose perception.hand_model = \"lite\" or a lower camera.rate_hz. A camera in the dark \
                  gives fewer by itself: light the bench better",
                 "look here: encode: no sign of life. `systemctl status andon-encode@bench1` says whether it runs, `journalctl -u \
                  andon-encode@bench1` why not",
