@@ -1,12 +1,15 @@
 //! DTW against a full matrix in `f64`, and every way to compute it against the others.
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use andon_core::capacity::IU_FRAMES;
 use andon_core::couple::Motion;
 use andon_core::dtw::{
     LocalCosts, OnlineDtw, Refused, Scratch, distance, distance_within, path, path_memory,
 };
 use andon_core::job::LocalCost;
+use common::cases::many_cases;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -194,6 +197,33 @@ proptest! {
             }
             let sum: f64 = pairs.iter().map(|&(i, j)| oracle::cost(local, &a[i], &b[j])).sum();
             prop_assert!((sum.sqrt() - distance).abs() <= 2.0 * costs.relative_error() * distance + 1e-12);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(many_cases())]
+
+    /// Whoever knows fewer frames has no greater distance and no greater bound, after each frame: what nobody knows may have been the motion that
+    /// was made.
+    #[test]
+    fn a_distance_over_unknown_frames_is_no_greater_than_with_them(
+        frames in vec((motions(1..2), any::<bool>()), 1..60),
+        reference in motions(1..60),
+        local in prop::sample::select(COSTS.to_vec()),
+        is_portable: bool,
+    ) {
+        let costs = if is_portable { LocalCosts::portable(local) } else { LocalCosts::new(local) };
+        let (mut whole, mut less) = (OnlineDtw::new(&costs, &reference).unwrap(), OnlineDtw::new(&costs, &reference).unwrap());
+        for (frame, is_known) in &frames {
+            whole.append(&frame[0]).unwrap();
+            if *is_known {
+                less.append(&frame[0]).unwrap();
+            } else {
+                less.append_unknown();
+            }
+            prop_assert!(less.lower_bound() <= whole.lower_bound());
+            prop_assert!(less.distance() <= whole.distance(), "{:?} > {:?}", less.distance(), whole.distance());
         }
     }
 }

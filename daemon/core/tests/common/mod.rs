@@ -2,6 +2,7 @@
 #![allow(dead_code, clippy::unwrap_used, clippy::panic)]
 
 pub(crate) mod bench;
+pub(crate) mod cases;
 pub(crate) mod script;
 pub(crate) mod seed;
 pub(crate) mod work;
