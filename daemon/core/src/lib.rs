@@ -70,6 +70,10 @@
 #[cfg(test)]
 extern crate std;
 
+#[cfg(test)]
+#[path = "../tests/common/cases.rs"]
+mod cases;
+
 pub mod anomaly;
 pub mod bounds;
 pub mod capacity;

@@ -31,8 +31,9 @@ impl Edge {
     /// Takes the newest distance, in metres, of two ends that are known. Between the two distances an edge is what it was, so it is
     /// not known there if it was not known before: in fewer than half of the `persist` frames.
     pub(super) fn push(&mut self, distance: f32, contact: &Contact, persist: u8) {
-        let was_known = || 2 * (self.known & window(persist, 0)).count_ones() + 1 >= persist.into();
-        if (contact.on_m..=contact.off_m).contains(&distance) && !was_known() {
+        if (contact.on_m..=contact.off_m).contains(&distance)
+            && !is_enough(self.known & window(persist, 0), persist)
+        {
             self.push_unknown();
             return;
         }
@@ -96,7 +97,7 @@ impl Edge {
 
     /// Whether it was known in at least half of the `persist` frames before the frame of this age.
     pub(super) fn was_known(self, age: usize, persist: u8) -> bool {
-        2 * (self.known & window(persist, age + 1)).count_ones() + 1 >= persist.into()
+        is_enough(self.known & window(persist, age + 1), persist)
     }
 
     /// Whether enough frames of the window [`ahead`] of this age show that the two are apart, and none that they are near.
@@ -126,6 +127,11 @@ pub(super) fn ahead(age: usize, persist: u8) -> u32 {
     window(frames as u8, age + 1 - frames)
 }
 
+/// Whether at least one and half of `persist` frames, rounded down, are among these.
+fn is_enough(known: u32, persist: u8) -> bool {
+    2 * known.count_ones() + 1 >= persist.max(2).into()
+}
+
 /// `frames` set bits from bit `from` on.
 fn window(frames: u8, from: usize) -> u32 {
     (u32::MAX >> (32 - u32::from(frames.clamp(1, 32)))) << from
@@ -134,7 +140,11 @@ fn window(frames: u8, from: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capacity::PERSIST_FRAMES;
+    use crate::cases::many_cases;
+    use proptest::prelude::*;
     use std::string::String;
+    use std::vec;
     use std::vec::Vec;
 
     const CONTACT: Contact = Contact { on_m: 0.03, off_m: 0.045 };
@@ -251,5 +261,60 @@ mod tests {
     #[test]
     fn every_second_frame_is_enough_to_believe_a_contact() {
         assert_eq!(text(&believed(&distances("-?-?x?x?x?x?-?-?-?-?"), 5)), "----xxxxxxxx--------");
+    }
+
+    /// For each frame, whether a contact is believed, and whether that is certain: the frame and at least half of those in which a change would be
+    /// believed are known, and show none that is not believed.
+    fn claims(distances: &[f32], persist: u8) -> Vec<(bool, bool)> {
+        let mut edge = Edge::default();
+        let mut claims = Vec::new();
+        let mut ask = |edge: &mut Edge, age: usize| {
+            let is_believed = edge.believe(age, persist);
+            let frames = ahead(age, persist);
+            let is_known = edge.known >> age & 1 == 1
+                && 2 * (edge.known & frames).count_ones() + 1 >= frames.count_ones();
+            claims.push((is_believed, is_known && !edge.may_have_changed(age, persist)));
+        };
+        for (newest, distance) in distances.iter().enumerate() {
+            if distance.is_nan() {
+                edge.push_unknown();
+            } else {
+                edge.push(*distance, &CONTACT, persist);
+            }
+            if newest >= usize::from(persist) {
+                ask(&mut edge, persist.into());
+            }
+        }
+        (0..usize::from(persist).min(distances.len())).rev().for_each(|age| ask(&mut edge, age));
+        claims
+    }
+
+    proptest! {
+        #![proptest_config(many_cases())]
+
+        /// Whoever sees fewer frames and is certain believes what is believed with all of them, in some frame nearer than a change takes to be
+        /// believed. The distances are those of two that stay near or apart for at least so long, with whatever comes between; and the last frames of
+        /// a recording, in which nothing new is believed, do not count.
+        #[test]
+        fn whoever_sees_fewer_distances_and_is_certain_agrees_with_who_sees_all(
+            (persist, stays) in (1..=PERSIST_FRAMES).prop_flat_map(|persist| {
+                let lasts = prop_oneof![0..4usize, 0..30usize];
+                let far_or_near = (prop::sample::select(vec![1.0, 0.01]), lasts.clone().prop_map(move |more| persist + more));
+                let between = (Just(0.04f32), lasts);
+                (Just(persist), prop::collection::vec(prop_oneof![2 => far_or_near, 1 => between], 1..10))
+            }),
+            gaps in prop::collection::vec((0..200usize, prop_oneof![1..8usize, 1..40usize]), 0..4),
+            every in prop_oneof![4 => Just(1usize), 1 => 2..4usize],
+        ) {
+            let whole: Vec<f32> = stays.iter().flat_map(|(distance, frames)| core::iter::repeat_n(*distance, *frames)).collect();
+            let is_hidden = |frame: usize| gaps.iter().any(|(from, frames)| (*from..from + frames).contains(&frame));
+            let less: Vec<f32> = (0..).zip(&whole).map(|(frame, distance)| if frame % every > 0 || is_hidden(frame) { f32::NAN } else { *distance }).collect();
+            let [whole, less] = [whole, less].map(|distances| claims(&distances, persist as u8));
+            for (frame, (is_near, _)) in less.iter().enumerate().filter(|(_, (_, is_certain))| *is_certain) {
+                let around = frame.saturating_sub(persist - 1)..(frame + persist).min(whole.len());
+                let is_last = frame + persist >= whole.len();
+                prop_assert!(is_last || whole[around].iter().any(|(other, _)| other == is_near), "frame {}: {:?} of {:?}", frame, less, whole);
+            }
+        }
     }
 }
