@@ -362,13 +362,41 @@ fn an_iu_too_long_to_be_compared_is_not_judged() {
 
 #[test]
 fn touching_the_same_object_again_continues_the_activity_until_it_has_matched() {
-    // The contact with the polisher breaks for a moment during the grasp: that is still one activity, with one grasp too many.
-    let mut right = polish(6).to_vec();
-    right.splice(1..1, [idle(3), part([1, 5, 0, 0], 10, Toward(3))]);
-    let verdicts: Vec<String> =
-        judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
-    assert_eq!(verdicts[1], "r0.1 IuAnomaly WrongOrder!");
+    let polish_but = |with: &[Part]| {
+        let mut right = polish(6).to_vec();
+        right.splice(1..1, with.iter().copied());
+        judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect::<Vec<_>>()
+    };
+    // The hand brings the polisher to the wrong part, lets go and takes it again: that is still one activity.
+    let verdicts = polish_but(&[part([1, 5, 5, 3], 10, Still), idle(3), part([1, 5, 0, 0], 10, Toward(3))]);
+    assert_eq!(verdicts[1], "r0.1 IuAnomaly WrongObject!");
     assert!(verdicts.iter().all(|verdict| !verdict.starts_with("r1")), "{verdicts:?}");
+    // The hand corrects its grip: that is still one IU.
+    assert_eq!(polish_but(&[idle(3), part([1, 5, 0, 0], 10, Toward(3))])[..4], POLISH_OK);
+}
+
+#[test]
+fn a_part_that_the_hand_lets_go_of_in_the_middle_is_not_done_with_it() {
+    // The polisher is taken and put back, and another part comes.
+    let right = [&[part([1, 5, 0, 0], 30, Toward(3)), idle(20)], &measure()[..]].concat();
+    expect(
+        &polish_and_measure(),
+        &right,
+        &[
+            "r0.0 IuOk",
+            "r0 ActivityAnomaly NotCompleted",
+            "r1.0 IuOk",
+            "r1.1 IuOk",
+            "r1.2 IuOk!",
+            "r1 ActivityOk!",
+            "JobAnomaly NotCompleted",
+        ],
+    );
+    // It is moved too little before that, which shows only now.
+    let short_of = [&[part([1, 5, 0, 0], 10, Toward(3)), idle(20)], &measure()[..]].concat();
+    let verdicts = judged(&polish_and_measure(), &stream(&short_of, &[]));
+    assert_eq!(short(&verdicts[0]), "r0.0 IuAnomaly TooShort");
+    assert_eq!(verdicts[0].ended_ns, verdicts[0].began_ns + 10 * PERIOD_NS);
 }
 
 #[test]

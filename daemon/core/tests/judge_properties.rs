@@ -111,6 +111,12 @@ fn work() -> impl Strategy<Value = Vec<Part>> {
         .prop_map(move |all| all.into_iter().flat_map(done).collect())
 }
 
+/// Whether the hand is idle and goes on in the context in which it was before: that may be one IU, which Algorithm 1 does not know.
+fn lets_go_in_the_middle(work: &[Part]) -> bool {
+    let contexts = |parts: &[Part]| parts[0].context == parts[2].context && parts[1].context == [0; 4];
+    work.windows(3).any(contexts)
+}
+
 fn judged(job: &Job<'_>, couples: &[Couples]) -> Vec<Verdict> {
     let mut judge = Judge::<Vec<_>>::with_memory(job, Method::default()).unwrap().at_start_of_job();
     let mut verdicts = Vec::new();
@@ -212,6 +218,7 @@ proptest! {
     /// The judge decides as early as it can; Algorithm 1, which knows the whole IUs, decides the same.
     #[test]
     fn no_early_verdict_is_contradicted_by_algorithm_1_on_whole_ius(work in work(), has_free_ends: bool) {
+        prop_assume!(!lets_go_in_the_middle(&work));
         let job = job_with(has_free_ends);
         let verdicts = judged(&job, &stream(&work, &[]));
         let mut seen = ius(Side::Right, &work).into_iter().peekable();

@@ -384,6 +384,7 @@ impl Collector {
             }
             Event::ActivityEnded { side, .. } => self.open[side.index()] = None,
             Event::JobBegan { .. }
+            | Event::IuResumed { .. }
             | Event::IuUnmeasured { .. }
             | Event::Eru { .. }
             | Event::JobEnded { .. } => {}

@@ -145,6 +145,7 @@ fn line(event: Event) -> Option<EventLine> {
         Event::JobBegan { .. }
         | Event::ActivityBegan { .. }
         | Event::IuBegan { .. }
+        | Event::IuResumed { .. }
         | Event::IuFrame { .. }
         | Event::IuUnmeasured { .. } => {
             return None;

@@ -3,6 +3,7 @@
 use super::activity::{Against, OpenActivity, Step, context_reason};
 use super::comparison::Memory;
 use super::hand::{Finding, HandJudge, OpenIu};
+use super::interrupted::Interrupted;
 use super::observation::IuObservation;
 use super::occlusion::{Cause, OcclusionLog, too_few_frames};
 use super::progress::Progress;
@@ -75,6 +76,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
+        self.end_interrupted(progress, emit);
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, couple.context);
         self.comparisons.clear();
@@ -95,6 +97,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             number,
             context,
             began_ns: couple.captured_ns,
+            ended_ns: None,
             observation: IuObservation {
                 gap_before: self.watch.gap(),
                 may_be_part: may_be_remainder || self.watch.may_go_on(context) || self.watch.is_object_new(),
@@ -342,6 +345,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 activity.doubt_newest_iu();
             }
         }
+        if let Some(open) = &mut self.iu {
+            open.ended_ns = Some(iu.ended_ns);
+        }
         if let Some(open) = self.iu {
             let observation = IuObservation {
                 frames: iu.frames,
@@ -358,19 +364,41 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             if observation.gap_after > 0 && !open.is_concluded {
                 self.comparisons.append_unknown();
             }
-            let activity = self.activity.as_ref();
-            let goes_on = |next| activity.is_some_and(|activity| activity.goes_on_with(progress.job, next));
-            let may_pass = self.may_pass(observation) && next.is_some_and(|next| !goes_on(next));
             if self.gives_up(observation, next, progress, emit) || open.is_concluded {
                 // It was no IU, or has its verdict.
-            } else if self.comparisons.end().is_err() {
-                self.conclude_unjudged(Reason::Overload.into(), progress, emit);
-            } else if may_pass {
-                self.conclude_passing(progress, emit);
+            } else if next == Some(Context::IDLE) && self.may_be_interrupted(progress) {
+                self.interrupted = Some(Interrupted { open, observation, iu: *iu });
+                self.iu = None;
+                return;
             } else {
-                self.decide_by_motion(observation, progress, emit);
+                self.decide_at_end(observation, next, progress, emit);
             }
         }
+        self.close_iu(iu, progress);
+    }
+
+    /// Gives the verdict on the IU, which has ended before the `next` context.
+    pub(super) fn decide_at_end(
+        &mut self,
+        observation: IuObservation,
+        next: Option<Context>,
+        progress: &mut Progress<'a>,
+        emit: &mut impl FnMut(Verdict),
+    ) {
+        let activity = self.activity.as_ref();
+        let goes_on = |next| activity.is_some_and(|activity| activity.goes_on_with(progress.job, next));
+        let may_pass = self.may_pass(observation) && next.is_some_and(|next| !goes_on(next));
+        if self.comparisons.end().is_err() {
+            self.conclude_unjudged(Reason::Overload.into(), progress, emit);
+        } else if may_pass {
+            self.conclude_passing(progress, emit);
+        } else {
+            self.decide_by_motion(observation, progress, emit);
+        }
+    }
+
+    /// The IU is over, and has its verdict.
+    pub(super) fn close_iu(&mut self, iu: &Iu, progress: &mut Progress<'a>) {
         if self.iu.is_some_and(|open| open.is_certain) {
             self.compare_but_for_part(iu, progress);
         }

@@ -2,6 +2,7 @@
 
 use super::activity::{OpenActivity, Step};
 use super::comparison::{ComparisonResult, Comparisons, Memory};
+use super::interrupted::Interrupted;
 use super::observation::IuObservation;
 use super::occlusion::{Cause, OcclusionLog, percent};
 use super::progress::Progress;
@@ -19,6 +20,8 @@ pub(super) struct OpenIu {
     pub(super) number: u16,
     pub(super) context: Context,
     pub(super) began_ns: u64,
+    /// When it ended; none while it goes on.
+    pub(super) ended_ns: Option<u64>,
     pub(super) observation: IuObservation,
     /// How many of its frames were captured.
     pub(super) captured: u32,
@@ -59,6 +62,7 @@ pub(super) struct HandJudge<'a, M> {
     pub(super) comparisons: Comparisons<'a, M>,
     pub(super) activity: Option<OpenActivity>,
     pub(super) iu: Option<OpenIu>,
+    pub(super) interrupted: Option<Interrupted>,
     /// Of the open activity, and of the doubt before it.
     pub(super) occlusions: OcclusionLog,
     /// Why its newest activity was not judged, of which the next one may be the remainder.
@@ -99,6 +103,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             comparisons: Comparisons::new(job, method.rate_hz),
             activity: None,
             iu: None,
+            interrupted: None,
             occlusions: OcclusionLog::new(side, method.period_ns()),
             newest_unjudged: None,
             is_broken_off: false,
@@ -272,7 +277,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             note: None,
             early,
             began_ns: iu.began_ns,
-            ended_ns: progress.now_ns,
+            ended_ns: iu.ended_ns.unwrap_or(progress.now_ns),
             decided_ns: progress.known_ns,
         });
         if is_wrong {

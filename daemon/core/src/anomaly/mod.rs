@@ -36,6 +36,7 @@
 //! falls; lengths and reversals have taught bounds, because DTW forgives a repeated motion that is cut short; and how long the hand rests at
 //! either end of an IU is not compared as motion ([`Job::has_free_ends`]), because DTW, which pairs ends with ends, would pair such a rest
 //! with motion in a run that has none. A hand that touches what an activity moves first, moves nothing and lets go has not begun it: no IU.
+//! A hand that lets go in the middle of an activity and takes the same part again goes on with the IU (`interrupted`).
 //!
 //! # Doubt
 //!
@@ -71,6 +72,7 @@ mod comparison;
 mod grip;
 mod hand;
 mod instead;
+mod interrupted;
 mod measure;
 mod observation;
 mod occlusion;
@@ -490,6 +492,7 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
                     hands[side.index()].begin_iu(couple, progress, emit_verdict);
                 }
             }
+            segment::Event::IuResumed { side } => hands[side.index()].resume_iu(),
             segment::Event::IuFrame { side, motion, .. } => {
                 hands[side.index()].push_motion(&motion, progress, emit_verdict)
             }

@@ -65,6 +65,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         emit: &mut impl FnMut(Verdict),
     ) {
         progress.set_waiting(self.side, None);
+        if self.interrupted.is_some() {
+            segmenter.interrupt();
+        }
         let job = progress.job;
         let may_have_let_go = self.iu.is_none() || self.watch.is_doubtful() || self.watch.hidden_frames() > 0;
         let activity = self.activity.as_ref().filter(|activity| may_have_let_go || activity.may_have_ended());
@@ -131,6 +134,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// The activity has ended.
     pub(super) fn end_activity(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
+        self.end_interrupted(progress, emit);
         let Some(activity) = &self.activity else { return };
         let nearest = activity.nearest.or(activity.candidates().lowest());
         let may_go_on = progress.is_end_assumed()

@@ -21,7 +21,7 @@ struct Eru {
 }
 
 /// An open IU.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 struct OpenIu {
     so_far: Iu,
     meter: Meter,
@@ -61,6 +61,10 @@ pub struct Segmenter {
     /// The context of the newest couple.
     context: Context,
     iu: Option<OpenIu>,
+    /// The newest IU that has ended, until it is known that it is over.
+    ended: Option<OpenIu>,
+    /// A touch in its context goes on with it.
+    is_interrupted: bool,
     /// The way of the hand with `o_j`, which ends where that leaves the `o_l` that it came to, and the way that begins there.
     ways: [Way; 2],
     /// In how many frames in a row, up to now, it was not clear what the hand does.
@@ -83,6 +87,8 @@ impl Segmenter {
             in_filter: Deque::new(),
             context: Context::IDLE,
             iu: None,
+            ended: None,
+            is_interrupted: false,
             ways: [const { Way::after(0) }; 2],
             unclear: 0,
             activity: None,
@@ -156,6 +162,11 @@ impl Segmenter {
         }
     }
 
+    /// The IU that has ended last is not over, because the hand let go in the middle of its activity: a touch in the same context goes on with it.
+    pub fn interrupt(&mut self) {
+        self.is_interrupted = true;
+    }
+
     /// Ends the open IU and the open activity at `ended_ns`. A touch that continues begins nothing until the hand has let go.
     pub fn finish(&mut self, ended_ns: u64, emit: &mut impl FnMut(Event)) {
         self.end_iu(ended_ns, emit);
@@ -185,6 +196,7 @@ impl Segmenter {
         let (context, began_ns) = (couple.context, couple.captured_ns);
         self.activity = Some(OpenActivity { context, began_ns, ended_ns: began_ns, matched: false });
         self.continuations.clear();
+        self.is_interrupted = false;
         emit(Event::ActivityBegan { side: self.side, context, began_ns });
     }
 
@@ -211,8 +223,15 @@ impl Segmenter {
             // It continues, so whether it matches is open again.
             activity.matched = false;
         }
-        self.iu = Some(OpenIu { so_far, meter: Meter::default(), eru: None, unmeasured: 0 });
-        emit(Event::IuBegan { side: self.side, context, began_ns });
+        let is_interrupted = core::mem::take(&mut self.is_interrupted);
+        self.iu = self.ended.take().filter(|iu| is_interrupted && iu.so_far.context == context);
+        let side = self.side;
+        if self.iu.is_some() {
+            emit(Event::IuResumed { side });
+        } else {
+            self.iu = Some(OpenIu { so_far, meter: Meter::default(), eru: None, unmeasured: 0 });
+            emit(Event::IuBegan { side, context, began_ns });
+        }
     }
 
     fn end_iu(&mut self, ended_ns: u64, emit: &mut impl FnMut(Event)) {
@@ -224,6 +243,7 @@ impl Segmenter {
         }
         let side = self.side;
         if let Some(OpenIu { so_far, meter, eru, unmeasured }) = self.iu.take() {
+            self.ended = Some(OpenIu { so_far, meter, eru: None, unmeasured: 0 });
             let context = so_far.context;
             if unmeasured > 0 {
                 emit(Event::IuUnmeasured { side, frames: unmeasured });

@@ -67,6 +67,11 @@ pub enum Event {
         /// When, in nanoseconds.
         began_ns: u64,
     },
+    /// The IU that was interrupted last goes on: the hand has taken again what it had let go of.
+    IuResumed {
+        /// Whose hand.
+        side: Side,
+    },
     /// The next frame of the IU has left the opening-closing filter, which delays it by some frames.
     IuFrame {
         /// Whose hand.
