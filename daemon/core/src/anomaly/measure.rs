@@ -1,13 +1,13 @@
 //! Which measure of an IU is not right.
 
-use super::observation::{ENDS, HIDDEN_SLACK, IuObservation, PER_STROKE};
-use crate::bounds::Around;
+use super::observation::{ENDS, HIDDEN_SLACK, IuObservation};
+use crate::bounds::{Around, Range};
 use crate::job::{MeasureBounds, NominalIu, Shown};
 use crate::segment::{MOVED_M, Measures};
 use crate::verdict::{Measure, Measured, Reason};
 
-/// How many steps a lateral deviation depends on: to where the hand is, to where it was farthest off, and from there to the next point that is kept.
-const STEPS_OF_WAY: f32 = 3.0;
+/// A stroke goes to and fro.
+const PER_STROKE: u32 = 2;
 
 impl IuObservation {
     /// The rule that a measure breaks, with the one that says most to a person: strokes rather than the time they take. With
@@ -24,12 +24,11 @@ impl IuObservation {
             if may_be_hidden { self.possible_reversals() } else { self.assumed_reversals() };
         let MeasureBounds { path_m, .. } = iu.measures;
         let speed = path_m.max.min(f32::MAX) / iu.quickest().max(1) as f32;
+        let hidden_m = hidden * self.frames as f32 * speed;
         let Measures { reversals, path_m: walked_m, detour_m, lateral_m, unseen_before_way, .. } =
             self.measures;
-        // Which frames were seen decides where the steps of a path end, before and behind each reversal and at last.
-        let turns = reversals.saturating_add(hidden_reversals) as f32;
-        let step_m = if hidden > 0.0 { (ENDS as f32 * turns + 1.0) * MOVED_M } else { 0.0 };
-        let hidden_m = HIDDEN_SLACK * hidden * self.frames as f32 * speed + step_m;
+        // Which frames were seen decides where the steps of a path end, at each reversal and at last.
+        let step_m = if hidden > 0.0 { (reversals + 1) as f32 * MOVED_M } else { 0.0 };
         let is_detour = if iu.measures.max_detour_m.is_finite() {
             detour_m > iu.measures.max_detour_m + step_m
         } else {
@@ -37,12 +36,10 @@ impl IuObservation {
         };
         // Where the hand was not seen before its way, that may have begun elsewhere.
         let unseen = if may_be_hidden { unseen_before_way as f32 } else { 0.0 };
-        let way_m = STEPS_OF_WAY * MOVED_M + HIDDEN_SLACK * unseen * speed;
-        let lateral_step_m = if hidden + unseen > 0.0 { way_m } else { 0.0 };
+        let lateral_step_m = if hidden + unseen > 0.0 { ENDS as f32 * MOVED_M + unseen * speed } else { 0.0 };
         let is_lateral = lateral_m > iu.measures.max_lateral_m + lateral_step_m;
-        // From where the motion came before a gap is not known: it may seem to turn once more.
         let too_long = first(&[
-            (reversals > iu.reversals.max.saturating_add((hidden > 0.0).into()), Measure::Strokes),
+            (reversals > iu.reversals.max, Measure::Strokes),
             (min_frames > iu.frames.max, Measure::Duration),
             (is_lateral, Measure::LateralDeviation),
             (is_detour, Measure::Path),
@@ -59,8 +56,7 @@ impl IuObservation {
         } else if !self.ended {
             return None;
         }
-        let strokes = if may_be_hidden { hidden_reversals } else { 0 };
-        let elsewhere = first(&self.elsewhere_broken(&iu.measures, hidden_m, strokes));
+        let elsewhere = first(&self.elsewhere_broken(&iu.measures, HIDDEN_SLACK * hidden, hidden_m));
         match (too_short(), elsewhere) {
             // Strokes that are small or go across are counted badly.
             (Some(Measure::Strokes), Some(other))
@@ -73,25 +69,18 @@ impl IuObservation {
         }
     }
 
-    /// Whether size, direction and place of the motion are wrong, if it may have gone on for `hidden_m`, in metres, and reversed so often there.
-    fn elsewhere_broken(
-        &self,
-        bounds: &MeasureBounds,
-        hidden_m: f32,
-        hidden_reversals: u32,
-    ) -> [(bool, Measure); 3] {
-        let Measures { reversals, stroke_m, path_m, axis, place_m, .. } = self.measures;
-        let strokes = reversals.saturating_sub(1).max(1) as f32;
-        let is_stroke_right = |stroke_m: f32| {
-            stroke_m + hidden_m / strokes >= bounds.stroke_m.min
-                && stroke_m * strokes / (strokes + hidden_reversals as f32) <= bounds.stroke_m.max
+    /// Whether size, direction and place of the motion are wrong, if they may differ by `slack`, a share, and the motion may have gone on for
+    /// `hidden_m`, in metres.
+    fn elsewhere_broken(&self, bounds: &MeasureBounds, slack: f32, hidden_m: f32) -> [(bool, Measure); 3] {
+        let measures = &self.measures;
+        let is_in = |range: Range, value: f32| {
+            value * (1.0 + slack) >= range.min && value <= range.max * (1.0 + slack)
         };
-        // The opposite of a direction is twice as far from it as from none.
-        let turned = if hidden_m > 0.0 { 2.0 / (1.0 + path_m / hidden_m) } else { 0.0 };
+        let is_stroke_right = measures.stroke_m.is_none_or(|stroke_m| is_in(bounds.stroke_m, stroke_m));
         [
-            (!stroke_m.is_none_or(is_stroke_right), Measure::StrokeLength),
-            (!bounds.axis.has(axis, turned), Measure::Direction),
-            (!bounds.place_m.has(place_m, hidden_m), Measure::Place),
+            (!is_stroke_right, Measure::StrokeLength),
+            (!bounds.axis.has(measures.axis, slack), Measure::Direction),
+            (!bounds.place_m.has(measures.place_m, slack * measures.path_m + hidden_m), Measure::Place),
         ]
     }
 

@@ -5,7 +5,7 @@ use crate::couple::geometry::{norm, subtract};
 pub use crate::couple::noise::MOVED_M;
 use crate::input::Point;
 
-/// In as many frames, from one that was seen to the next, a motion may have reversed.
+/// In as many frames in a row that were not seen, a motion may have reversed.
 pub(crate) const FRAMES_PER_REVERSAL: u32 = 4;
 
 /// The share of a frame that is missing between two that were seen: what happened in it can still be known.
@@ -117,8 +117,7 @@ impl Meter {
 
     fn end_gap(&mut self) {
         let unknown = core::mem::take(&mut self.unknown);
-        self.hidden_reversals =
-            self.hidden_reversals.saturating_add(unknown.saturating_add(1) / FRAMES_PER_REVERSAL);
+        self.hidden_reversals = self.hidden_reversals.saturating_add(unknown / FRAMES_PER_REVERSAL);
         self.hidden += if unknown > 1 { unknown as f32 } else { SINGLE_FRAME * unknown as f32 };
     }
 
@@ -140,11 +139,7 @@ impl Meter {
     fn turn(&mut self, position: Point, is_behind_gap: bool) {
         self.has_gap |= is_behind_gap;
         let length_m = distance(self.reversed, self.farthest);
-        let grown_m = distance(self.reversed, position) - length_m;
-        if grown_m > 0.0 {
-            // On a straight way it has come as far from the farthest position as from where it reversed.
-            let aside_m = distance(self.farthest, position) - grown_m;
-            self.returned_m = self.returned_m.max(if is_behind_gap { aside_m } else { 0.0 });
+        if distance(self.reversed, position) > length_m {
             // To and fro.
             self.cut_reversals = self.cut_reversals.saturating_add(2 * u32::from(self.may_have_reversed()));
             self.farthest = position;
@@ -168,9 +163,8 @@ impl Meter {
     /// The measures so far, with those of the way of which the IU is the newest part.
     pub(super) fn measures(&self, way: &Way) -> Measures {
         let mut ended = *self;
+        ended.has_gap |= self.unknown > 0;
         ended.end_gap();
-        // What comes after it may be the other way.
-        let may_turn = self.unknown > 0 || self.may_have_reversed();
         let per_path = |sum: f32| if self.path_m > 0.0 { sum / self.path_m } else { 0.0 };
         let (frames, known) = (self.frames.max(1) as f32, f64::from(self.known.max(1)));
         Measures {
@@ -183,7 +177,7 @@ impl Meter {
             axis: self.axis.map(per_path),
             place_m: self.sum.map(|sum| (sum / known) as f32),
             hidden_reversals: ended.hidden_reversals,
-            cut_reversals: self.cut_reversals.saturating_add(may_turn.into()),
+            cut_reversals: ended.cut_reversals.saturating_add(ended.may_have_reversed().into()),
             hidden: (ended.hidden / frames).min(1.0),
         }
     }

@@ -8,7 +8,7 @@ use crate::couple::geometry::{dot, subtract};
 use crate::input::Point;
 use heapless::Vec;
 
-/// Maximum number of points that are kept of a way. One that covers more is kept with every second of them.
+/// Maximum number of points that are kept of a way. One that is longer than as many steps is kept with every second of them.
 const MAX_POINTS: usize = 64;
 
 /// The way of a hand with a part to where it is now. It begins where the hand took that, or came with it to a part that it has left. In fixed memory.
@@ -63,7 +63,7 @@ impl Way {
         self.step = tips;
         let off = self.points.iter().map(|point| squared_distance_from_line(*point, began, tips));
         self.lateral_m = self.lateral_m.max(libm::sqrtf(off.fold(0.0, f32::max)));
-        if self.points.iter().all(|point| distance(*point, tips) >= self.spacing_m) {
+        if self.points.last().is_none_or(|last| distance(*last, tips) >= self.spacing_m) {
             self.keep(tips);
         }
     }
