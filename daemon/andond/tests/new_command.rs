@@ -1,6 +1,7 @@
 //! What a new command takes: one that says in how many frames of a recording a hand is seen.
 
-#![allow(clippy::unwrap_used)]
+// A command returns the error of all commands, as those in `tool` do.
+#![allow(clippy::unwrap_used, clippy::result_large_err)]
 
 use andon_core::input::{Frame, Hand, Side};
 use andon_host::config::Config;
