@@ -51,6 +51,9 @@ fn registers(verdict: &Verdict) -> String {
     format!("{:?}", read(&image, WordOrder::Big, 0, CONTROL_BASE).unwrap())
 }
 
+/// The name of an output, what it shows of a verdict, and the names of the values that it leaves out.
+type Output<'a> = (&'a str, &'a dyn Fn(&Verdict) -> String, [&'a [&'a str]; 3]);
+
 #[test]
 fn each_value_of_a_verdict_is_shown_in_each_output_or_left_out_by_name() {
     let c = |verdict: &Verdict| format!("{:?}", AndonVerdict::from(verdict));
@@ -61,7 +64,7 @@ fn each_value_of_a_verdict_is_shown_in_each_output_or_left_out_by_name() {
     let of_station = ["station", "job_id", "model_hash", "epoch", "decided_utc_ns"];
     let in_row =
         ["station", "broken", "broken_activity", "broken_runs", "began_ns", "ended_ns", "decided_ns"];
-    let outputs: [(&str, &dyn Fn(&Verdict) -> String, [&[&str]; 3]); 3] = [
+    let outputs: [Output<'_>; 3] = [
         ("JSON", &json, [&of_station, &on_machine, &[]]),
         ("registers", &registers, [&in_row, &on_machine, &[&of_frames[..], &missing].concat()]),
         ("C", &c, [&of_frames, &missing, &[]]),
