@@ -347,8 +347,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         if let Some(open) = &mut self.iu {
             open.ended_ns = Some(iu.ended_ns);
-        }
-        if let Some(open) = self.iu {
+            let open = *open;
             let observation = IuObservation {
                 frames: iu.frames,
                 measured: iu.measured,

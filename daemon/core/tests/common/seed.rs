@@ -1,12 +1,10 @@
 //! The seeds of properties that must never fail: one that has always been tried, and a drawn one.
 
+use super::cases::{self, KNOWN};
 use proptest::prelude::*;
-use proptest::test_runner::{RngSeed, TestRunner};
+use proptest::test_runner::TestRunner;
 use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
-
-/// The seed that has always been tried.
-const KNOWN: u64 = 1;
 
 /// Drawn seeds are less than this, so that people can type them.
 const SEEDS: u64 = 100_000;
@@ -18,16 +16,9 @@ pub(crate) fn with_known_and_drawn_seed<S: Strategy>(
     strategy: &S,
     property: impl Fn(S::Value) -> Result<(), TestCaseError>,
 ) {
-    let usual = ProptestConfig::default();
-    let drawn = match usual.rng_seed {
-        RngSeed::Fixed(chosen) => chosen,
-        RngSeed::Random => RandomState::new().hash_one(0) % SEEDS,
-    };
-    let cases = if std::env::var_os("PROPTEST_CASES").is_some() { usual.cases } else { cases };
+    let drawn = cases::chosen_seed().unwrap_or_else(|| RandomState::new().hash_one(0) % SEEDS);
     for seed in [KNOWN, drawn] {
-        let rng_seed = RngSeed::Fixed(seed);
-        let config = ProptestConfig { failure_persistence: None, rng_seed, cases, ..usual.clone() };
-        if let Err(failed) = TestRunner::new(config).run(strategy, &property) {
+        if let Err(failed) = TestRunner::new(cases::with(cases, seed)).run(strategy, &property) {
             panic!("PROPTEST_RNG_SEED={seed}: {failed}");
         }
     }

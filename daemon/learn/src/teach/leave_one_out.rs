@@ -13,7 +13,7 @@ use super::threshold::Memory;
 use super::{TeachOptions, TeachReport, Teaching};
 use crate::distribution::Distribution;
 use crate::run::Run;
-use andon_core::verdict::{Outcome, Verdict};
+use andon_core::verdict::Outcome;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -39,8 +39,10 @@ struct Fold<'a> {
 
 struct Rejection {
     name: String,
-    /// The rules that it breaks, with where it lies. Empty if the others teach no job, or it does something else that they do not know.
-    rules: Vec<(Rule, Option<Distribution>)>,
+    /// The first rule that it breaks of those that can be made weaker, with where it lies. What comes later may be a consequence of that: a run that
+    /// has a step, with one contact more, does not show that it can be left out. `None` if the others teach no job, or it does something else that
+    /// they do not know.
+    broken: Option<(Rule, Option<Distribution>)>,
 }
 
 /// Tries each of these runs with the job that the others teach; `None` of fewer than [`MIN_RUNS`].
@@ -66,13 +68,8 @@ pub(super) fn tried(runs: &[&Run], options: &TeachOptions) -> Option<LeftOut> {
             .collect();
         rejected_before.get_or_insert_with(|| names.clone());
         let mut contradicted: BTreeMap<Rule, usize> = BTreeMap::new();
-        for Rejection { name, rules } in rejections {
-            // What comes later may be a consequence of the first: a run that has a step, with one contact more, does not show that it can be left out.
-            let Some((rule, lies)) =
-                rules.into_iter().find(|(rule, _)| strengths.of(*rule) != Strength::None)
-            else {
-                continue;
-            };
+        for Rejection { name, broken } in rejections {
+            let Some((rule, lies)) = broken else { continue };
             *contradicted.entry(rule).or_default() += 1;
             if let Some(lies) = lies {
                 shown.entry((rule, name)).or_insert(lies);
@@ -110,15 +107,15 @@ impl<'a> Fold<'a> {
             self.others.memory = Memory::default();
         }
         if self.others.learn().is_err() {
-            return Some(Rejection { name, rules: Vec::new() });
+            return Some(Rejection { name, broken: None });
         }
         let Teaching { report: TeachReport { job, .. }, agreement, .. } = &self.others;
         let verdicts = self.left_out.judge(job).unwrap_or_default();
-        let broken = |verdict: &Verdict| {
-            Some((Rule::broken_by(verdict, &agreement.keys)?, Distribution::of_verdict(job, verdict)))
-        };
-        let rules = verdicts.iter().filter_map(broken).collect();
+        let broken = verdicts.iter().find_map(|verdict| {
+            let rule = Rule::broken_by(verdict, &agreement.keys)?;
+            (strengths.of(rule) != Strength::None).then(|| (rule, Distribution::of_verdict(job, verdict)))
+        });
         let is_accused = verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly);
-        is_accused.then_some(Rejection { name, rules })
+        is_accused.then_some(Rejection { name, broken })
     }
 }
