@@ -13,7 +13,7 @@ pub const TWINS: usize = 5;
 pub const INTERACTION_POINTS: usize = 8;
 
 /// Others that meet one object: the hand, and the parts that are joined to it or worked with it.
-pub const MEETINGS: usize = 8;
+pub const CONTACT_REGIONS: usize = 8;
 
 /// Length of the longest IU that is compared, in frames, with the rests at its ends: 68 s at 30 Hz. A longer one is not judged: only a hand that
 /// waits for the other one is right for so long.

@@ -1,7 +1,7 @@
 //! What is known of an object before it is seen: its interaction points, and what the runs of a job have shown of it.
 
 use crate::bounds::Around;
-use crate::capacity::{INTERACTION_POINTS, MEETINGS, OBJECTS};
+use crate::capacity::{CONTACT_REGIONS, INTERACTION_POINTS, OBJECTS};
 use crate::config::Contact;
 use crate::input::Point;
 use heapless::Vec;
@@ -18,7 +18,7 @@ pub struct ObjectShape {
     pub interaction_points: Vec<Point, INTERACTION_POINTS>,
     /// Where and how near the runs of a job have shown it to be met. What is not here is met at its interaction points, as near as
     /// [`Method`](crate::config::Method) says.
-    pub meetings: Vec<Meeting, MEETINGS>,
+    pub contact_regions: Vec<ContactRegion, CONTACT_REGIONS>,
     /// The ids of the objects with which it has no contact, however near they come. The runs of the job agree only without it, as where both are at a
     /// third object. It is enough if one of the two names the other.
     pub incidental: Vec<u16, OBJECTS>,
@@ -38,8 +38,8 @@ impl ObjectShape {
 
 /// Where and how near a hand or another object meets an object.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Meeting {
-    /// The id of the other object, or [`Meeting::HAND`].
+pub struct ContactRegion {
+    /// The id of the other object, or [`ContactRegion::HAND`].
     pub with: u16,
     /// Where the finger tips, or the position of the other object, then are, in metres in the frame of this object. Empty: at the
     /// interaction points.
@@ -48,7 +48,7 @@ pub struct Meeting {
     pub contact: Contact,
 }
 
-impl Meeting {
+impl ContactRegion {
     /// Either hand, instead of an object. No object has this id.
     pub const HAND: u16 = 0;
 }

@@ -7,7 +7,7 @@ use andon_core::bounds::Around;
 use andon_core::config::{Contact, Method};
 use andon_core::couple::{Context, Couples, Encoder, Refused, Unseen, Unusable, Waiting};
 use andon_core::input::{Frame, Object, Side};
-use andon_core::object::Meeting;
+use andon_core::object::ContactRegion;
 use common::bench::{Bench, contexts, encode, encode_shapes, shapes};
 
 const TOOL: u16 = 5;
@@ -489,8 +489,12 @@ fn hands_and_objects_that_are_not_finite_unknown_or_repeated_are_left_out() {
     assert_eq!(unseen, [10]);
 }
 
-fn met(with: u16, point: [f32; 3], on_m: f32) -> Meeting {
-    Meeting { with, points: [point].into_iter().collect(), contact: Contact { on_m, off_m: 1.5 * on_m } }
+fn met(with: u16, point: [f32; 3], on_m: f32) -> ContactRegion {
+    ContactRegion {
+        with,
+        points: [point].into_iter().collect(),
+        contact: Contact { on_m, off_m: 1.5 * on_m },
+    }
 }
 
 #[test]
@@ -502,11 +506,11 @@ fn a_hand_and_an_object_meet_an_object_where_the_runs_of_a_job_have_shown() {
     let given = shapes(&[TOOL, BOX]);
     assert_eq!(just_contexts(&encode_shapes(&given, &bench.frames), Side::Right), [[1, TOOL, 0, 0]]);
     let [mut tool, mut whole] = [given[0].clone(), given[1].clone()];
-    let _ = tool.meetings.push(met(Meeting::HAND, [0.0, -0.12, 0.0], 0.03));
-    let _ = whole.meetings.push(met(TOOL, [-0.1, 0.0, 0.0], 0.03));
+    let _ = tool.contact_regions.push(met(ContactRegion::HAND, [0.0, -0.12, 0.0], 0.03));
+    let _ = whole.contact_regions.push(met(TOOL, [-0.1, 0.0, 0.0], 0.03));
     let couples = encode_shapes(&[tool.clone(), whole], &bench.frames);
     assert_eq!(just_contexts(&couples, Side::Right), [[1, TOOL, 0, 0], [1, TOOL, TOOL, BOX]]);
-    tool.meetings[0].points[0][0] = f32::NAN;
+    tool.contact_regions[0].points[0][0] = f32::NAN;
     assert_eq!(Encoder::new(Method::default(), &[tool]).err(), Some(Unusable::ObjectShape { id: TOOL }));
 }
 
@@ -527,7 +531,7 @@ fn what_moves_with_a_hand_is_in_it_where_nobody_has_shown_how_it_is_held() {
     let is_box_first = matches!(beside[..], [([1, BOX, 0, 0], 25..=40), ([1, TOOL, 0, 0], _)]);
     assert!(is_box_first, "what a hand is at is what it acts on: {beside:?}");
     let mut shown = shapes(&[TOOL]);
-    let _ = shown[0].meetings.push(met(Meeting::HAND, [0.0, 0.0, 0.0], 0.03));
+    let _ = shown[0].contact_regions.push(met(ContactRegion::HAND, [0.0, 0.0, 0.0], 0.03));
     let couples = encode_shapes(&shown, &held_at(0.12, &[]).frames);
     assert_eq!(just_contexts(&couples, Side::Right), [[0; 4]; 0], "the runs have shown where it is held");
 }

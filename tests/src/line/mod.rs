@@ -27,7 +27,7 @@ pub use watcher::{Watcher, role_id};
 use crate::simulator::{Flaw, Noise, Performance, perform};
 use andon_core::config::Contact;
 use andon_core::input::Frame;
-use andon_core::object::Meeting;
+use andon_core::object::ContactRegion;
 use andon_ipc::Station;
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::{self, Header};
@@ -111,8 +111,10 @@ impl Line {
         job.id = 2;
         // Whoever watches it must have followed: couples that are made for another job are not judged.
         let contact = Contact { on_m: 0.035, off_m: 0.05 };
-        job.objects[0].shape.meetings =
-            [Meeting { with: Meeting::HAND, points: heapless::Vec::new(), contact }].into_iter().collect();
+        job.objects[0].shape.contact_regions =
+            [ContactRegion { with: ContactRegion::HAND, points: heapless::Vec::new(), contact }]
+                .into_iter()
+                .collect();
         fs::write(folder.join("two.toml"), job.to_toml()).unwrap();
         line.reconfigure("job = \"job.toml\"\n", &format!("job = \"job.toml\"\njobs = {folder:?}\n"));
         line

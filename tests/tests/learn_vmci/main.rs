@@ -8,7 +8,7 @@ mod two_hands;
 use andon_core::config::Method;
 use andon_core::couple::Context;
 use andon_core::input::{Side, Space};
-use andon_core::object::Meeting;
+use andon_core::object::ContactRegion;
 use andon_core::verdict::{Level, Measure, Measured, Outcome, Reason, Verdict};
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::Recording;
@@ -90,11 +90,14 @@ fn without_points_and_distances_the_runs_show_where_hand_and_parts_meet() {
         let (job, report) = taught_by_others(&runs, left_out, &TeachOptions::new("shelf", "", method));
         assert!(report.unsure.is_empty(), "{report}");
         let with = |id: u16| {
-            let met =
-                job.objects.iter().find(|object| object.shape.id == id).map(|object| &object.shape.meetings);
+            let met = job
+                .objects
+                .iter()
+                .find(|object| object.shape.id == id)
+                .map(|object| &object.shape.contact_regions);
             met.into_iter().flatten().map(|met| met.with).collect::<Vec<u16>>()
         };
-        assert_eq!([with(BOX), with(TABLE), with(SHELF)], [[Meeting::HAND], [BOX], [BOX]]);
+        assert_eq!([with(BOX), with(TABLE), with(SHELF)], [[ContactRegion::HAND], [BOX], [BOX]]);
         // The missing half is found as well where nobody says that the recording begins with the job.
         let half = without_points(Capture::read(number).without_second_half().recording());
         assert_eq!(jobs(&judged(&job, &half)), [Outcome::Anomaly], "run {number}");

@@ -123,10 +123,12 @@ impl Encoder {
         }
         for (index, shape) in shapes.iter().enumerate() {
             let id = shape.id;
-            let points =
-                shape.interaction_points.iter().chain(shape.meetings.iter().flat_map(|met| &met.points));
+            let points = shape
+                .interaction_points
+                .iter()
+                .chain(shape.contact_regions.iter().flat_map(|met| &met.points));
             let is_finite = points.flatten().all(|value| value.is_finite());
-            let is_near = shape.meetings.iter().all(|met| met.contact.is_valid());
+            let is_near = shape.contact_regions.iter().all(|met| met.contact.is_valid());
             let is_placed = shape.start.is_none_or(|start| start.is_valid());
             if id == 0 || shape.interaction_points.is_empty() || !is_finite || !is_near || !is_placed {
                 return Err(Unusable::ObjectShape { id });

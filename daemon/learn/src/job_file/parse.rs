@@ -11,7 +11,7 @@ use andon_core::config::{Contact, Method};
 use andon_core::couple::Context;
 use andon_core::input::{Point, Space};
 use andon_core::job::{LocalCost, MeasureBounds, Shown};
-use andon_core::object::{Meeting, ObjectShape};
+use andon_core::object::{ContactRegion, ObjectShape};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -288,15 +288,15 @@ fn object_of(index: usize, text: ObjectText) -> Result<NamedObject, JobFault> {
     let region = |text: ContactRegionText| {
         let ContactRegionText { with, points, on_m, off_m } = text;
         let points = fitting(&points, &format!("{key}.meetings.points"))?;
-        Ok::<_, JobFault>(Meeting { with, points, contact: Contact { on_m, off_m } })
+        Ok::<_, JobFault>(ContactRegion { with, points, contact: Contact { on_m, off_m } })
     };
-    let regions: Vec<Meeting> = text.meetings.into_iter().map(region).collect::<Result<_, _>>()?;
+    let regions: Vec<ContactRegion> = text.meetings.into_iter().map(region).collect::<Result<_, _>>()?;
     Ok(NamedObject {
         name: text.name,
         shape: ObjectShape {
             id: text.id,
             interaction_points: fitting(&text.interaction_points, &format!("{key}.interaction_points"))?,
-            meetings: fitting(&regions, &format!("{key}.meetings"))?,
+            contact_regions: fitting(&regions, &format!("{key}.meetings"))?,
             incidental: fitting(&text.incidental, &format!("{key}.incidental"))?,
             is_position_only: text.position_only,
             start: text

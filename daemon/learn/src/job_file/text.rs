@@ -8,7 +8,7 @@ use andon_core::config::Contact;
 use andon_core::couple::Context;
 use andon_core::input::{Point, Side};
 use andon_core::job::{MeasureBounds, Shown};
-use andon_core::object::{Meeting, ObjectShape};
+use andon_core::object::{ContactRegion, ObjectShape};
 use std::fmt::Write as _;
 
 /// Appends a line. Writing to a `String` cannot fail, so the result is ignored here, once.
@@ -150,7 +150,7 @@ impl JobFile {
     }
 
     fn object_text(&self, text: &mut String, object: &NamedObject) {
-        let ObjectShape { id, interaction_points, meetings, incidental, is_position_only, start } =
+        let ObjectShape { id, interaction_points, contact_regions, incidental, is_position_only, start } =
             &object.shape;
         line!(text, "\n[[object]]\nid = {id}\nname = {}", quoted(&object.name));
         line!(text, "# Where it can be touched, in metres in its own frame.");
@@ -183,7 +183,7 @@ impl JobFile {
                 place.max
             );
         }
-        if !meetings.is_empty() {
+        if !contact_regions.is_empty() {
             line!(
                 text,
                 "# Where and how near the runs show it to be met, by a hand (0) or by another object: by the finger tips or"
@@ -193,7 +193,7 @@ impl JobFile {
                 "# the position of that, in metres in the frame of this object; without points at the interaction points."
             );
             line!(text, "meetings = [");
-            for Meeting { with, points, contact: Contact { on_m, off_m } } in meetings {
+            for ContactRegion { with, points, contact: Contact { on_m, off_m } } in contact_regions {
                 let points = points_text(points);
                 line!(text, "  {{ with = {with}, points = {points}, on_m = {on_m:?}, off_m = {off_m:?} }},");
             }

@@ -7,7 +7,7 @@ use andon_core::capacity::{ACTIVITIES, ACTIVITY_IUS, OBJECTS};
 use andon_core::couple::{Context, Motion};
 use andon_core::input::Point;
 use andon_core::job::{MeasureBounds, Shown};
-use andon_core::object::{Meeting, ObjectShape};
+use andon_core::object::{ContactRegion, ObjectShape};
 
 /// Checks everything that the types do not guarantee.
 pub(super) fn validate(job: &JobFile) -> Result<(), JobFault> {
@@ -63,7 +63,8 @@ fn names(job: &JobFile) -> Result<(), JobFault> {
 
 fn object(objects: &[NamedObject], index: usize) -> Result<(), JobFault> {
     let key = format!("object[{index}]");
-    let ObjectShape { id, interaction_points, meetings, incidental, start, .. } = &objects[index].shape;
+    let ObjectShape { id, interaction_points, contact_regions, incidental, start, .. } =
+        &objects[index].shape;
     let is_unique = objects[..index].iter().all(|other| other.shape.id != *id);
     rule(*id != 0 && is_unique, &key, || format!("id is {id}; ids are 1 to 65535 and differ"))?;
     let is_finite = |points: &[Point]| points.iter().flatten().all(|value| value.is_finite());
@@ -71,15 +72,15 @@ fn object(objects: &[NamedObject], index: usize) -> Result<(), JobFault> {
         "it needs at least one interaction point, and its coordinates must be finite".to_owned()
     })?;
     let is_known =
-        |other: u16| other == Meeting::HAND || objects.iter().any(|object| object.shape.id == other);
-    let is_possible = |met: &Meeting| {
+        |other: u16| other == ContactRegion::HAND || objects.iter().any(|object| object.shape.id == other);
+    let is_possible = |met: &ContactRegion| {
         is_finite(&met.points) && met.contact.is_valid() && met.with != *id && is_known(met.with)
     };
-    rule(meetings.iter().all(is_possible), &format!("{key}.meetings"), || {
+    rule(contact_regions.iter().all(is_possible), &format!("{key}.meetings"), || {
         "each must be with 0 or another object of the job, with finite points and 0 < on_m <= off_m"
             .to_owned()
     })?;
-    let is_other = |other: &u16| *other != *id && *other != Meeting::HAND && is_known(*other);
+    let is_other = |other: &u16| *other != *id && *other != ContactRegion::HAND && is_known(*other);
     rule(incidental.iter().all(is_other), &format!("{key}.incidental"), || {
         "each must be the id of another object of the job".to_owned()
     })?;

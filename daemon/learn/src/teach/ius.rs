@@ -17,7 +17,7 @@ use andon_core::bounds::Bounds;
 use andon_core::couple::{Context, Motion};
 use andon_core::dtw::Refused;
 use andon_core::job::MeasureBounds;
-use andon_core::object::Meeting;
+use andon_core::object::ContactRegion;
 use andon_core::segment::Measures;
 use andon_core::verdict::Measure;
 
@@ -110,9 +110,9 @@ impl<'a> Teacher<'a> {
     fn met_within_m(&self, Context([_, _, j, l]): Context) -> f32 {
         let place = |at: u16, with: u16| {
             let mut at = self.shown.runs[0].objects.iter().filter(move |object| object.shape.id == at);
-            let meetings = &at.next()?.shape.meetings;
-            let met = meetings.iter().find(|met| met.with == with && !met.points.is_empty())?;
-            (with != Meeting::HAND).then_some(met.contact.off_m)
+            let regions = &at.next()?.shape.contact_regions;
+            let met = regions.iter().find(|met| met.with == with && !met.points.is_empty())?;
+            (with != ContactRegion::HAND).then_some(met.contact.off_m)
         };
         place(l, j).or_else(|| place(j, l)).unwrap_or_default()
     }

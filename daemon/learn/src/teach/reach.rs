@@ -10,7 +10,7 @@ use crate::recording::NamedObject;
 use crate::run::{Iu, Run};
 use andon_core::config::Contact;
 use andon_core::couple::Context;
-use andon_core::object::Meeting;
+use andon_core::object::ContactRegion;
 
 /// The shares of the missing reach that are tried, one after the other.
 const TRIED_SHARES: [f32; 3] = [1.0, 0.5, 0.25];
@@ -75,7 +75,7 @@ fn widen(
 ) {
     for (at, with) in [(l, j), (j, l)] {
         let Some(object) = objects.iter_mut().find(|object| object.shape.id == at) else { continue };
-        if let Some(met) = object.shape.meetings.iter_mut().find(|met| met.with == with) {
+        if let Some(met) = object.shape.contact_regions.iter_mut().find(|met| met.with == with) {
             met.contact.off_m += share * (reach_m - met.contact.off_m).max(0.0);
             return;
         }
@@ -85,7 +85,11 @@ fn widen(
     {
         let contact = Contact { off_m: default.off_m + share * (reach_m - default.off_m), ..default };
         // What exceeds the capacity is met as the station says.
-        let _ = object.shape.meetings.push(Meeting { with: j, points: heapless::Vec::new(), contact });
+        let _ = object.shape.contact_regions.push(ContactRegion {
+            with: j,
+            points: heapless::Vec::new(),
+            contact,
+        });
     }
 }
 
@@ -100,8 +104,9 @@ mod tests {
             |id| NamedObject { name: String::new(), shape: ObjectShape { id, ..ObjectShape::default() } };
         let (mut objects, default) = (vec![object(5), object(6)], Contact { on_m: 0.03, off_m: 0.045 });
         let off_m = |objects: &[NamedObject]| -> Vec<Vec<f32>> {
-            let of =
-                |object: &NamedObject| object.shape.meetings.iter().map(|met| met.contact.off_m).collect();
+            let of = |object: &NamedObject| {
+                object.shape.contact_regions.iter().map(|met| met.contact.off_m).collect()
+            };
             objects.iter().map(of).collect()
         };
         let polishing = Context([1, 5, 5, 6]);

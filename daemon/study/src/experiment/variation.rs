@@ -82,7 +82,8 @@ impl Variation {
     /// The same [`ladder`](Self::ladder) with one more step behind the paper's rules: hands and objects meet where the runs show it.
     pub fn ladder_with_contact_regions(bins: u8) -> Vec<Self> {
         let paper = Self::paper(bins);
-        let found = Self { name: "+ meetings from the runs", finds_contact_regions: true, ..paper.clone() };
+        let found =
+            Self { name: "+ contact regions from the runs", finds_contact_regions: true, ..paper.clone() };
         let mut all = Self::ladder(bins);
         let behind = 1 + all.iter().position(|one| *one == paper).unwrap_or_default();
         all[behind..].iter_mut().for_each(|one| one.finds_contact_regions = true);

@@ -1,12 +1,12 @@
 //! The scene graphs of both hands: poses as nodes, contacts as edges, and the couple that is read off them (paper III-A).
 
+mod distance;
 mod drift;
 mod glimpse;
 mod grip;
 mod hold;
 mod in_hand;
 mod leap;
-mod meeting;
 mod sides;
 mod start;
 mod unseen;
@@ -25,12 +25,12 @@ use crate::input::{Frame, Point, Side};
 use crate::object::ObjectShape;
 use crate::set::ObjectSet;
 use core::ops::RangeInclusive;
+use distance::Shape;
 use glimpse::Glimpses;
 use heapless::Vec;
 use hold::Hold;
 use in_hand::{InHand, Meets};
 use leap::Leap;
-use meeting::Shape;
 use sides::Sides;
 
 /// A parabola explains the positions if their noise bound is at least this multiple of its residual. With noise alone and the default window it is

@@ -7,7 +7,7 @@ use super::steadying;
 use super::trajectory::{Tips, Trajectories};
 use super::{apart_m, centres, contact_of, contact_region, median, points_of};
 use andon_core::config::Contact;
-use andon_core::object::{Meeting, ObjectShape};
+use andon_core::object::{ContactRegion, ObjectShape};
 
 /// Two finger tips that hold an object are at one interaction point if they are no farther apart, in metres.
 const SAME_POINT_M: f32 = 0.02;
@@ -18,7 +18,7 @@ pub(super) fn of(
     shape: &ObjectShape,
     shown: &[Trajectories],
     default: Contact,
-) -> Option<Meeting> {
+) -> Option<ContactRegion> {
     let mut holds: Vec<Vec<Tips>> = shown.iter().flat_map(|run| run.holds(object)).collect();
     if holds.is_empty() {
         holds = steadying::of(object, shown).into_iter().map(|tips| vec![tips]).collect();
@@ -40,5 +40,5 @@ pub(super) fn of(
         f64::from(distances[distances.len() * 9 / 10])
     };
     let contact = contact_of(&holds.iter().map(farthest).collect::<Vec<_>>(), default);
-    contact_region(Meeting::HAND, &learnt, contact, default)
+    contact_region(ContactRegion::HAND, &learnt, contact, default)
 }

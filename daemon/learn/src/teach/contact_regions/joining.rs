@@ -9,7 +9,7 @@ use super::{
     in_proportion, median, points_of, widened,
 };
 use andon_core::config::Contact;
-use andon_core::object::{Meeting, ObjectShape};
+use andon_core::object::{ContactRegion, ObjectShape};
 use nalgebra::Point3;
 use std::collections::BTreeSet;
 
@@ -31,7 +31,7 @@ pub(super) fn of(
     shapes: &[ObjectShape],
     shown: &[Trajectories],
     default: Contact,
-) -> Option<Meeting> {
+) -> Option<ContactRegion> {
     let dwells = dwells([with, at], shown);
     let places: Vec<Place> = dwells.iter().map(|(_, place)| *place).collect();
     let id = shapes[with].id;
@@ -182,7 +182,7 @@ fn at_learnt_places(
     first: &[Point3<f32>],
     runs: usize,
     default: Contact,
-) -> Option<Meeting> {
+) -> Option<ContactRegion> {
     let (near, others) = touching(places, runs);
     if near.is_empty() || 2 * runs_of(&near) < runs {
         return None;

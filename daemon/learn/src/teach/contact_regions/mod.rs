@@ -25,7 +25,7 @@ use crate::run::Run;
 use crate::statistics::median_point;
 use andon_core::capacity::INTERACTION_POINTS;
 use andon_core::config::{Contact, Method};
-use andon_core::object::{Meeting, ObjectShape};
+use andon_core::object::{ContactRegion, ObjectShape};
 use nalgebra::Point3;
 use trajectory::Trajectories;
 pub(super) use unsure::incidental;
@@ -64,7 +64,7 @@ pub(super) fn learn(runs: &[Run], method: &Method) -> (Vec<NamedObject>, Vec<Str
         }
     }
     let unsure = unsure::of(runs, &objects, &shown);
-    let mut found: Vec<(usize, Meeting)> = Vec::new();
+    let mut found: Vec<(usize, ContactRegion)> = Vec::new();
     for at in 0..shapes.len() {
         found.extend(hold::of(at, &shapes[at], &shown, method.hand_contact).map(|met| (at, met)));
         for with in 0..at {
@@ -75,7 +75,7 @@ pub(super) fn learn(runs: &[Run], method: &Method) -> (Vec<NamedObject>, Vec<Str
     }
     for (at, met) in found {
         // What exceeds the capacity is met as the station says.
-        let _ = objects[at].shape.meetings.push(met);
+        let _ = objects[at].shape.contact_regions.push(met);
     }
     (objects, unsure)
 }
@@ -91,8 +91,13 @@ fn points_of(shape: &ObjectShape) -> Vec<Point3<f32>> {
 }
 
 /// `None` where it is as it would be without.
-fn contact_region(with: u16, points: &[Point3<f32>], contact: Contact, default: Contact) -> Option<Meeting> {
-    (!points.is_empty() || contact != default).then(|| Meeting {
+fn contact_region(
+    with: u16,
+    points: &[Point3<f32>],
+    contact: Contact,
+    default: Contact,
+) -> Option<ContactRegion> {
+    (!points.is_empty() || contact != default).then(|| ContactRegion {
         with,
         points: points.iter().map(|point| [point.x, point.y, point.z]).collect(),
         contact,

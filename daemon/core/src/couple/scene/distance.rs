@@ -9,10 +9,10 @@ use super::super::geometry::{Cloud, norm, subtract};
 use super::super::poses::{ObjectPose, Source};
 use super::{Node, Scene, squared_distance};
 use crate::bounds::Around;
-use crate::capacity::{MEETINGS, OBJECTS};
+use crate::capacity::{CONTACT_REGIONS, OBJECTS};
 use crate::config::{Contact, Method};
 use crate::input::{Point, Space};
-use crate::object::{Meeting, ObjectShape};
+use crate::object::{ContactRegion, ObjectShape};
 use heapless::Vec;
 
 /// Where and how near something is met.
@@ -30,7 +30,7 @@ pub(super) struct Shape {
     points: Cloud,
     hand: Place,
     /// With the ids of the other objects.
-    others: Vec<(u16, Place), MEETINGS>,
+    others: Vec<(u16, Place), CONTACT_REGIONS>,
     /// Maximum distance from the position at which it is met, in metres, beyond how near others must come.
     pub(super) radius_m: f32,
     /// The ids of the objects with which it has no contact ([`ObjectShape::incidental`]).
@@ -47,11 +47,11 @@ impl Shape {
     pub(super) fn new(shape: &ObjectShape, method: &Method) -> Option<Self> {
         let points = Cloud::new(&shape.interaction_points)?;
         let places = shape
-            .meetings
+            .contact_regions
             .iter()
             .map(|met| (met.with, Place { points: Cloud::new(&met.points), contact: met.contact }));
-        let of_hand = places.clone().find(|(with, _)| *with == Meeting::HAND).map(|(_, place)| place);
-        let is_met_within = |met: &Meeting| {
+        let of_hand = places.clone().find(|(with, _)| *with == ContactRegion::HAND).map(|(_, place)| place);
+        let is_met_within = |met: &ContactRegion| {
             let radius_m = Cloud::new(&met.points).map_or(points.radius(), |learnt| learnt.radius());
             radius_m + f32::max(met.contact.off_m - method.object_contact.off_m, 0.0)
         };
@@ -59,8 +59,8 @@ impl Shape {
             id: shape.id,
             points,
             hand: of_hand.unwrap_or(Place { points: None, contact: method.hand_contact }),
-            others: places.filter(|(with, _)| *with != Meeting::HAND).collect(),
-            radius_m: shape.meetings.iter().map(is_met_within).fold(points.radius(), f32::max),
+            others: places.filter(|(with, _)| *with != ContactRegion::HAND).collect(),
+            radius_m: shape.contact_regions.iter().map(is_met_within).fold(points.radius(), f32::max),
             incidental: shape.incidental.clone(),
             is_held_anywhere: of_hand.is_none() && !shape.has_points(),
             is_position_only: shape.is_position_only,
