@@ -6,7 +6,7 @@ mod glimpse;
 mod grip;
 mod hold;
 mod in_hand;
-mod leap;
+mod misreading;
 mod sides;
 mod start;
 mod unseen;
@@ -30,7 +30,7 @@ use glimpse::Glimpses;
 use heapless::Vec;
 use hold::Hold;
 use in_hand::{InHand, Meets};
-use leap::Leap;
+use misreading::Misreading;
 use sides::Sides;
 
 /// A parabola explains the positions if their noise bound is at least this multiple of its residual. With noise alone and the default window it is
@@ -44,7 +44,7 @@ struct Node {
     poses: Recent<ObjectPose>,
     /// For how many frames it has had a pose.
     known_frames: u32,
-    leap: Leap,
+    misreading: Misreading,
     drift: Drift,
     glimpses: Glimpses,
     /// How it lies in each hand that holds it; it moves by this while it is hidden.
@@ -59,7 +59,7 @@ impl Node {
             shape,
             poses: Recent::new(ObjectPose::NEVER),
             known_frames: 0,
-            leap: Leap::default(),
+            misreading: Misreading::default(),
             drift: Drift::default(),
             glimpses: Glimpses::default(),
             grips: [None; HANDS],
@@ -105,7 +105,7 @@ pub(super) struct Scene {
     /// The objects that no hand has attended for a while: none was seen anywhere since they were where they are known to have been.
     unattended: ObjectSet,
     hands: [Recent<HandPose>; HANDS],
-    leaps: [Leap; HANDS],
+    misreadings: [Misreading; HANDS],
     sides: Sides,
     /// Sorted by id.
     objects: Vec<Node, OBJECTS>,
@@ -155,7 +155,7 @@ impl Scene {
             alternatives: [ObjectSet::EMPTY; HANDS],
             unattended: ObjectSet::EMPTY,
             hands: core::array::from_fn(|_| Recent::new(HandPose::NEVER)),
-            leaps: [Leap::default(); HANDS],
+            misreadings: [Misreading::default(); HANDS],
             sides: Sides::default(),
             objects,
             touches: [[Edge::default(); OBJECTS]; HANDS],
@@ -219,8 +219,9 @@ impl Scene {
             seen[index] = seen[index].or_else(|| HandPose::seen(hand, self.method.space));
         }
         let seen = self.sides.settle(&self.hands, seen, self.blind_frames, &self.method);
-        for ((poses, leap), seen) in self.hands.iter_mut().zip(&mut self.leaps).zip(seen) {
-            let seen = seen.filter(|seen| leap.believes(poses.fixes(), seen.middle_knuckle, &self.method));
+        for ((poses, misreading), seen) in self.hands.iter_mut().zip(&mut self.misreadings).zip(seen) {
+            let seen =
+                seen.filter(|seen| misreading.believes(poses.fixes(), seen.middle_knuckle, &self.method));
             let before = *poses.ago(0);
             let is_elsewhere = |seen: HandPose| {
                 let max_m = self.method.hand_contact.on_m;
@@ -242,7 +243,8 @@ impl Scene {
             }
         }
         for (node, seen) in self.objects.iter_mut().zip(&mut seen) {
-            *seen = seen.filter(|seen| node.leap.believes(node.poses.fixes(), seen.position, &self.method));
+            *seen =
+                seen.filter(|seen| node.misreading.believes(node.poses.fixes(), seen.position, &self.method));
         }
         let persist = u32::from(self.method.persist_frames);
         for (index, seen) in seen.iter().enumerate() {

@@ -6,7 +6,7 @@
 //! the other hand has verdicts of its own, with a question where its work was not shown, and the hand that has lost its name is not seen: its
 //! work is right only where what was seen of the parts leaves no fault that it could hide.
 
-use super::leap::{is_reached, off_course_m};
+use super::misreading::{is_reached, off_course_m};
 use crate::capacity::HANDS;
 use crate::config::Method;
 use crate::couple::noise::MOVED_M;

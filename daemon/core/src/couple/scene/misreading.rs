@@ -15,15 +15,15 @@ const MAX_ACCELERATION_M_S2: f32 = 60.0;
 /// acceleration alone allows more. Markers side by side are farther apart.
 const NOISE_M: f32 = 0.05;
 
-/// What has leapt to where it is seen is not seen there unless it stays for as long as a change takes to be believed.
+/// What has jumped to where it is seen is not seen there unless it stays for as long as a change takes to be believed.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Leap {
+pub(super) struct Misreading {
     /// Where it was seen in the newest frame if that was not believed, and how many frames in a row were not.
     newest: Point,
     frames: u8,
 }
 
-impl Leap {
+impl Misreading {
     /// Whether to believe that what was here in the newest frame and in the one before is seen there now.
     pub(super) fn believes(&mut self, fixes: [Fix; 2], seen: Point, method: &Method) -> bool {
         let [newest, _] = fixes;
