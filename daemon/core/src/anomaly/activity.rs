@@ -4,7 +4,7 @@
 //! the step and is not like it gets a note. It is an anomaly only with a part that the job does not know, or out of order.
 
 use super::occlusion::Cause;
-use super::places::{Junction, Places};
+use super::places::{Places, Transition};
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
 use crate::couple::Context;
@@ -79,9 +79,9 @@ pub(super) struct OpenActivity {
     /// The same before the newest IU.
     places_before: [Places; ACTIVITIES],
     /// How the newest IU began.
-    newest: (Context, Junction),
+    newest: (Context, Transition),
     /// What was not seen since the newest IU began.
-    junction: Junction,
+    transition: Transition,
     /// It may be the remainder of one that was done before.
     may_be_remainder: bool,
     /// A hand that is idle for no longer than this may not have let go.
@@ -139,8 +139,8 @@ impl OpenActivity {
             unjudged: None,
             places,
             places_before: places,
-            newest: (context, Junction::default()),
-            junction: Junction::default(),
+            newest: (context, Transition::default()),
+            transition: Transition::default(),
             may_be_remainder: hidden == u32::MAX,
             min_idle_frames,
             may_have_ended: false,
@@ -160,24 +160,25 @@ impl OpenActivity {
         (hidden, has_been_idle): (u32, bool),
     ) -> u16 {
         let is_doubtful = !is_certain;
-        let junction = Junction { is_doubtful, hidden: self.junction.hidden.max(hidden), ..self.junction };
-        if self.ius > 0 && (has_been_idle || self.junction.hidden > self.min_idle_frames) {
+        let transition =
+            Transition { is_doubtful, hidden: self.transition.hidden.max(hidden), ..self.transition };
+        if self.ius > 0 && (has_been_idle || self.transition.hidden > self.min_idle_frames) {
             self.note_possible_end(job);
         }
         self.places_before = self.places;
-        self.newest = (context, junction);
-        self.places = self.places_after(job, junction);
-        self.junction = Junction { was_doubtful: is_doubtful, ..Junction::default() };
+        self.newest = (context, transition);
+        self.places = self.places_after(job, transition);
+        self.transition = Transition { was_doubtful: is_doubtful, ..Transition::default() };
         let number = self.ius;
         self.ius = number.saturating_add(1);
         number
     }
 
     /// For each nominal activity, where in it the activity may be after the newest IU, if that began so.
-    fn places_after(&self, job: &Job<'_>, junction: Junction) -> [Places; ACTIVITIES] {
+    fn places_after(&self, job: &Job<'_>, transition: Transition) -> [Places; ACTIVITIES] {
         let mut places = self.places_before;
         for (index, (places, nominal)) in places.iter_mut().zip(job.activities).enumerate() {
-            *places = places.step(nominal.ius, job.allows_insertions(index), self.newest.0, junction);
+            *places = places.step(nominal.ius, job.allows_insertions(index), self.newest.0, transition);
         }
         places
     }
@@ -187,9 +188,9 @@ impl OpenActivity {
         &self,
         job: &'b Job<'b>,
     ) -> impl Iterator<Item = (usize, usize)> + Clone + use<'b> {
-        let (context, junction) = self.newest;
-        let places = match junction.is_doubtful {
-            true => self.places_after(job, Junction { is_doubtful: false, ..junction }),
+        let (context, transition) = self.newest;
+        let places = match transition.is_doubtful {
+            true => self.places_after(job, Transition { is_doubtful: false, ..transition }),
             false => self.places,
         };
         let all = job.activities.iter().enumerate();
@@ -200,13 +201,13 @@ impl OpenActivity {
 
     /// The newest IU began in doubt, and it is certain now that it has happened.
     pub(super) fn confirm_iu(&mut self, job: &Job<'_>) {
-        let (context, junction) = self.newest;
+        let (context, transition) = self.newest;
         // What was not seen so far lies before it, or between two IUs in this context.
-        let hidden = core::mem::take(&mut self.junction).hidden;
-        let before_it = junction.hidden.saturating_add(hidden);
-        let junction = Junction { is_doubtful: false, hidden: before_it, ..junction };
-        self.newest.1 = junction;
-        let with_it = self.places_after(job, junction);
+        let hidden = core::mem::take(&mut self.transition).hidden;
+        let before_it = transition.hidden.saturating_add(hidden);
+        let transition = Transition { is_doubtful: false, hidden: before_it, ..transition };
+        self.newest.1 = transition;
+        let with_it = self.places_after(job, transition);
         for ((places, with_it), nominal) in self.places.iter_mut().zip(with_it).zip(job.activities) {
             if !places.is_empty() {
                 *places = with_it.resume(hidden, nominal.ius, context);
@@ -216,7 +217,7 @@ impl OpenActivity {
 
     /// The newest IU may not have happened.
     pub(super) fn doubt_newest_iu(&mut self) {
-        self.junction.was_doubtful = true;
+        self.transition.was_doubtful = true;
         for (places, before) in self.places.iter_mut().zip(self.places_before) {
             *places = places.or(before);
         }
@@ -245,15 +246,15 @@ impl OpenActivity {
 
     /// Something may have happened unseen in as many more frames since the newest IU began.
     pub(super) fn add_hidden(&mut self, frames: u32) {
-        self.junction.hidden = self.junction.hidden.saturating_add(frames);
+        self.transition.hidden = self.transition.hidden.saturating_add(frames);
     }
 
     /// What was not seen for a while is seen again in this context.
     pub(super) fn resume(&mut self, side: Side, context: Context, progress: &Progress<'_>) {
         let (job, context) = (progress.job, self.as_shown(context));
         let is_same = context == Context::IDLE || context == self.newest.0;
-        if self.junction.hidden > 0 && is_same {
-            let hidden = self.junction.hidden;
+        if self.transition.hidden > 0 && is_same {
+            let hidden = self.transition.hidden;
             // The hand may have let go meanwhile, or ended all of it and begun again with the same object, if that may come again.
             if context != Context::IDLE {
                 let mut all = self.places.iter().zip(job.activities).enumerate();
@@ -263,7 +264,7 @@ impl OpenActivity {
             } else if hidden > self.min_idle_frames {
                 self.note_possible_end(job);
             }
-            self.junction.hidden = 0;
+            self.transition.hidden = 0;
             for (places, nominal) in self.places.iter_mut().zip(job.activities) {
                 *places = places.resume(hidden, nominal.ius, context);
             }
@@ -288,7 +289,7 @@ impl OpenActivity {
 
     /// The nominal activities that may have come to their end, with what may have happened unseen.
     pub(super) fn may_have_come(&self, job: &Job<'_>) -> impl Iterator<Item = usize> {
-        let hidden = self.junction.hidden;
+        let hidden = self.transition.hidden;
         let all = self.places.iter().zip(job.activities).enumerate();
         let may_have_come = move |places: &Places, nominal: &NominalActivity<'_>| {
             !places.is_empty() && self.may_have_ended || places.may_be_complete(nominal.ius, hidden)
@@ -309,7 +310,7 @@ impl OpenActivity {
 
     /// Whether all of it has come, some of it unseen, if the hand is idle now.
     pub(super) fn has_ended_if_idle(&self, job: &Job<'_>) -> bool {
-        let hidden = self.junction.hidden;
+        let hidden = self.transition.hidden;
         let mut all = candidates_at(&self.places).iter().peekable();
         let has_ended = |nominal: usize| {
             // Where other IUs may come, the hand may let go and take the part again.
@@ -323,7 +324,7 @@ impl OpenActivity {
     pub(super) fn has_certainly_ended(&self, job: &Job<'_>) -> bool {
         let all = self.places.iter().zip(job.activities).filter(|(places, _)| !places.is_empty());
         let ended = all.map(|(places, nominal)| places.is_certainly(nominal.ius.len()));
-        let Junction { hidden, was_doubtful, .. } = self.junction;
+        let Transition { hidden, was_doubtful, .. } = self.transition;
         let is_seen = hidden == 0 && !was_doubtful && !self.may_have_ended;
         is_seen && ended.reduce(|one, other| one && other) == Some(true)
     }

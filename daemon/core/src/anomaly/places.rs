@@ -14,7 +14,7 @@ pub(super) struct Places(u64);
 
 /// How the IUs before a change of context are known.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Junction {
+pub(super) struct Transition {
     /// For how many frames IUs may have come and gone unseen since the newest IU began.
     pub(super) hidden: u32,
     /// The newest IU itself may not have happened.
@@ -58,19 +58,19 @@ impl Places {
         nominal: &[NominalIu<'_>],
         allows_insertions: bool,
         context: Context,
-        junction: Junction,
+        transition: Transition,
     ) -> Self {
-        let before = self.or_later(junction.hidden, nominal);
-        if junction.is_doubtful {
-            let happened = Junction { is_doubtful: false, ..junction };
+        let before = self.or_later(transition.hidden, nominal);
+        if transition.is_doubtful {
+            let happened = Transition { is_doubtful: false, ..transition };
             return before.or(self.step(nominal, allows_insertions, context, happened));
         }
         let has_context = |index: usize| nominal[index].context == context;
         let next = (0..nominal.len()).filter(|index| before.contains(*index) && has_context(*index));
         // After an IU that may not have happened, the one before it may go on, and so may one that was not seen for a while.
-        let going_on = match junction {
-            Junction { was_doubtful: true, .. } => before,
-            Junction { hidden: 0, .. } => Self::NONE,
+        let going_on = match transition {
+            Transition { was_doubtful: true, .. } => before,
+            Transition { hidden: 0, .. } => Self::NONE,
             _ => self,
         };
         let same = (0..nominal.len()).filter(|index| going_on.contains(index + 1) && has_context(*index));
@@ -188,8 +188,8 @@ mod tests {
     use std::string::String;
     use std::vec::Vec;
 
-    const SEEN: Junction = Junction { hidden: 0, was_doubtful: false, is_doubtful: false };
-    const HIDDEN: Junction = Junction { hidden: u32::MAX, ..SEEN };
+    const SEEN: Transition = Transition { hidden: 0, was_doubtful: false, is_doubtful: false };
+    const HIDDEN: Transition = Transition { hidden: u32::MAX, ..SEEN };
 
     fn context(letter: char) -> Context {
         Context([1, letter as u16, 0, 0])
@@ -209,12 +209,12 @@ mod tests {
     }
 
     /// The places after these IUs of `gpgr`.
-    fn after(hidden: u32, ius: &[(char, Junction)]) -> u64 {
+    fn after(hidden: u32, ius: &[(char, Transition)]) -> u64 {
         let nominal = nominal("gpgr");
         let begin = Places::new(hidden, &nominal);
         ius.iter()
-            .fold(begin, |places, (letter, junction)| {
-                places.step(&nominal, false, context(*letter), *junction)
+            .fold(begin, |places, (letter, transition)| {
+                places.step(&nominal, false, context(*letter), *transition)
             })
             .0
     }
@@ -254,8 +254,8 @@ mod tests {
 
     #[test]
     fn an_iu_that_may_not_have_happened_changes_nothing_for_certain() {
-        let doubtful = Junction { is_doubtful: true, ..HIDDEN };
-        let behind = Junction { was_doubtful: true, ..SEEN };
+        let doubtful = Transition { is_doubtful: true, ..HIDDEN };
+        let behind = Transition { was_doubtful: true, ..SEEN };
         assert_eq!(after(0, &[('g', SEEN), ('p', SEEN), ('x', doubtful), ('p', behind)]), 1 << 2);
         assert_eq!(after(0, &[('g', SEEN), ('x', doubtful), ('y', behind)]), 0);
     }
@@ -281,11 +281,11 @@ mod tests {
     }
 
     /// What an observation may leave of a place: fewer frames hidden, or less doubt.
-    fn observed() -> impl Strategy<Value = (Junction, Junction)> {
+    fn observed() -> impl Strategy<Value = (Transition, Transition)> {
         (0..200u32, 0..200u32, any::<[bool; 4]>()).prop_map(|(hidden, more, [was, is, adds_was, adds_is])| {
-            let less = Junction { hidden, was_doubtful: was, is_doubtful: is };
+            let less = Transition { hidden, was_doubtful: was, is_doubtful: is };
             let hidden = hidden.saturating_add(more);
-            (less, Junction { hidden, was_doubtful: was || adds_was, is_doubtful: is || adds_is })
+            (less, Transition { hidden, was_doubtful: was || adds_was, is_doubtful: is || adds_is })
         })
     }
 
@@ -312,7 +312,7 @@ mod tests {
             let context = if letter == 4 { Context::IDLE } else { context(char::from(b'g' + letter as u8)) };
             let all = (1 << (nominal.len() + 1)) - 1;
             let (narrow, wide) = (Places(places & all), Places((places | others) & all));
-            let step = |places: Places, junction| places.step(&nominal, allows_insertions, context, junction);
+            let step = |places: Places, transition| places.step(&nominal, allows_insertions, context, transition);
             prop_assert!(step(narrow, less).is_within(step(wide, more)));
             let resume = |places: Places, hidden| places.resume(hidden, &nominal, context);
             prop_assert!(resume(narrow, less.hidden).is_within(resume(wide, more.hidden)));
