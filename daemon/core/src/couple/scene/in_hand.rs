@@ -42,7 +42,7 @@ pub(super) enum InHand {
 
 /// Whether two objects touch each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Meets {
+pub(super) enum ObjectContact {
     /// They do not, or one only passes the other.
     #[default]
     No,
@@ -57,7 +57,7 @@ pub(super) enum Meets {
     Yes,
 }
 
-impl Meets {
+impl ObjectContact {
     /// Whether they touch, or may.
     pub(super) fn touches(self) -> bool {
         matches!(self, Self::Unknown | Self::Rests | Self::Yes)
@@ -156,42 +156,42 @@ impl Scene {
 
     /// Finds for the same frame which objects touch. A part that is carried past another does not: while a change is believed, it moves
     /// farther than the contact is long.
-    pub(super) fn update_meets(&mut self, age: usize) {
+    pub(super) fn update_object_contacts(&mut self, age: usize) {
         let is_held: [bool; OBJECTS] =
             core::array::from_fn(|object| self.interactions.iter().any(|what| what.acts_on(object)));
         for i in 0..self.objects.len() {
             for j in i + 1..self.objects.len() {
-                self.meets[i][j] = self.next_meets([i, j], is_held[i] || is_held[j], age);
+                self.object_contacts[i][j] = self.next_object_contact([i, j], is_held[i] || is_held[j], age);
             }
         }
     }
 
-    fn next_meets(&self, [i, j]: [usize; 2], is_held: bool, age: usize) -> Meets {
+    fn next_object_contact(&self, [i, j]: [usize; 2], is_held: bool, age: usize) -> ObjectContact {
         if !self.objects[i].shape.may_touch(&self.objects[j].shape) {
-            return Meets::No;
+            return ObjectContact::No;
         }
-        let (edge, before) = (self.adjacent[i][j], self.meets[i][j]);
+        let (edge, before) = (self.adjacent[i][j], self.object_contacts[i][j]);
         let is_near = |age: usize| {
             self.are_in_reach(i, j, age)
                 && self.distance_of_objects(i, j, age) <= self.object_contact(i, j).off_m
         };
         if edge.is_believed() {
-            if matches!(before, Meets::Rests | Meets::Yes) {
-                return Meets::Yes;
+            if matches!(before, ObjectContact::Rests | ObjectContact::Yes) {
+                return ObjectContact::Yes;
             }
             return match self.passes(i, j, age) {
                 // Where frames are missing, a contact is still believed after the two have parted.
-                Some(false) if is_near(age) => Meets::Yes,
+                Some(false) if is_near(age) => ObjectContact::Yes,
                 // Two that came together unseen may touch already.
-                Some(true) if !edge.was_known(age, self.method.persist_frames) => Meets::Unknown,
+                Some(true) if !edge.was_known(age, self.method.persist_frames) => ObjectContact::Unknown,
                 _ => before,
             };
         }
-        if !is_held && before != Meets::Rests {
-            return Meets::No;
+        if !is_held && before != ObjectContact::Rests {
+            return ObjectContact::No;
         }
         // Most pairs of which one is carried stay far apart.
-        if before == Meets::Brought && !is_near(age) {
+        if before == ObjectContact::Brought && !is_near(age) {
             return before;
         }
         let Some((newest, path_m)) = self.path_of_objects(i, j, age) else { return before };
@@ -200,11 +200,11 @@ impl Scene {
             self.shows_rest(age, newest, path_m) && [age, newest].iter().all(|age| self.are_seen(i, j, *age))
         };
         match before {
-            Meets::Rests if is_near(age) || is_near(newest) => Meets::Rests,
-            Meets::Brought if rests() => Meets::Rests,
-            Meets::Brought => Meets::Brought,
-            _ if is_held && !is_near(age) => Meets::Brought,
-            _ => Meets::No,
+            ObjectContact::Rests if is_near(age) || is_near(newest) => ObjectContact::Rests,
+            ObjectContact::Brought if rests() => ObjectContact::Rests,
+            ObjectContact::Brought => ObjectContact::Brought,
+            _ if is_held && !is_near(age) => ObjectContact::Brought,
+            _ => ObjectContact::No,
         }
     }
 

@@ -29,7 +29,7 @@ use distance::Shape;
 use glimpse::Glimpses;
 use heapless::Vec;
 use hold::Hold;
-use in_hand::{InHand, Meets};
+use in_hand::{InHand, ObjectContact};
 use misreading::Misreading;
 use sides::Sides;
 
@@ -118,7 +118,7 @@ pub(super) struct Scene {
     /// Between each two objects, the lower index first.
     adjacent: [[Edge; OBJECTS]; OBJECTS],
     /// Whether the two touch, rather than pass each other.
-    meets: [[Meets; OBJECTS]; OBJECTS],
+    object_contacts: [[ObjectContact; OBJECTS]; OBJECTS],
     interactions: [Interaction; HANDS],
     holds: [Option<Hold>; HANDS],
     /// For how many frames each has been what it is.
@@ -162,7 +162,7 @@ impl Scene {
             in_hand: [[InHand::No; OBJECTS]; HANDS],
             led: [ObjectSet::EMPTY; HANDS],
             adjacent: [[Edge::default(); OBJECTS]; OBJECTS],
-            meets: [[Meets::No; OBJECTS]; OBJECTS],
+            object_contacts: [[ObjectContact::No; OBJECTS]; OBJECTS],
             interactions: [Interaction::Idle; HANDS],
             holds: [None; HANDS],
             lasted: [u32::MAX; HANDS],
@@ -289,7 +289,7 @@ impl Scene {
             edge.believe(age, persist);
         }
         self.update_in_hand(age);
-        self.update_meets(age);
+        self.update_object_contacts(age);
         let mut hands: [Couple; HANDS] = core::array::from_fn(|hand| {
             let touched = self.touched(hand, age);
             let next = self.interactions[hand].next(touched, |j| self.neighbours(j, age));
@@ -348,8 +348,8 @@ impl Scene {
 
     /// The edges from an object to the objects that it touches.
     fn neighbours(&self, j: usize, age: usize) -> impl Iterator<Item = interaction::Edge> {
-        let meets = move |l: &usize| self.meets[j.min(*l)][j.max(*l)].touches();
-        (0..self.objects.len()).filter(meets).map(move |l| (l, self.distance_of_objects(j, l, age)))
+        let touches = move |l: &usize| self.object_contacts[j.min(*l)][j.max(*l)].touches();
+        (0..self.objects.len()).filter(touches).map(move |l| (l, self.distance_of_objects(j, l, age)))
     }
 
     fn couple(&self, hand: usize, interaction: Interaction, age: usize) -> Couple {

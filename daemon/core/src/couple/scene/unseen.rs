@@ -7,7 +7,7 @@ use super::super::interaction::Interaction;
 use super::super::noise::{MOVED_M, has_moved};
 use super::super::poses::{HandPose, ObjectPose, Recent, Source};
 use super::distance::are_in_reach;
-use super::in_hand::Meets;
+use super::in_hand::ObjectContact;
 use super::{Node, Scene, squared_distance};
 use crate::capacity::HANDS;
 use crate::set::ObjectSet;
@@ -284,7 +284,9 @@ impl Scene {
 
     /// Whether `o_j` and `o_l` may only have been near each other, because they came together unseen.
     pub(super) fn may_not_touch(&self, interaction: Interaction) -> bool {
-        interaction.pair().is_some_and(|(j, l)| self.meets[j.min(l)][j.max(l)] == Meets::Unknown)
+        interaction
+            .pair()
+            .is_some_and(|(j, l)| self.object_contacts[j.min(l)][j.max(l)] == ObjectContact::Unknown)
     }
 
     /// Whether `o_j` seems to have left `o_l`, or without one to have met another object, and it is not seen whether that lasts.
