@@ -2,11 +2,11 @@
 
 use super::activity::{OpenActivity, Step};
 use super::comparison::{ComparisonResult, Comparisons, Memory};
+use super::hand_visibility::HandVisibility;
 use super::interrupted::Interrupted;
 use super::observation::IuObservation;
 use super::occlusion::{Cause, OcclusionLog, percent};
 use super::progress::Progress;
-use super::watch::Watch;
 use crate::config::Method;
 use crate::couple::{Context, Couple, Unseen};
 use crate::input::Side;
@@ -58,7 +58,7 @@ pub(super) struct HandJudge<'a, M> {
     pub(super) side: Side,
     /// The other hand was shown to act in the job; else there is nothing to wait for.
     pub(super) has_other: bool,
-    pub(super) watch: Watch,
+    pub(super) visibility: HandVisibility,
     pub(super) comparisons: Comparisons<'a, M>,
     pub(super) activity: Option<OpenActivity>,
     pub(super) iu: Option<OpenIu>,
@@ -99,7 +99,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         Self {
             side,
             has_other: ius.any(|iu| iu.context.0[0] == side.other() as u16),
-            watch: Watch::new(method),
+            visibility: HandVisibility::new(method),
             comparisons: Comparisons::new(job, method.rate_hz),
             activity: None,
             iu: None,
@@ -117,7 +117,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// Nothing is known of what the hand does from now on.
     pub(super) fn lose_sight(&mut self) {
-        self.watch.lose();
+        self.visibility.lose();
         self.break_off();
     }
 
@@ -341,7 +341,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             Outcome::NotJudged => {
                 // Otherwise what comes next with the same object may be the remainder of it.
                 if !activity.has_certainly_ended(progress.job) {
-                    self.watch.set_unjudged(activity.context);
+                    self.visibility.set_unjudged(activity.context);
                 }
                 progress.set_unjudged(nominal, Cause { reason, missing });
             }

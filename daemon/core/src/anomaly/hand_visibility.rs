@@ -9,7 +9,7 @@ const IDLE_PERSISTS: u32 = 3;
 
 /// What was not seen of one hand, as far as a verdict may depend on it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Watch {
+pub(super) struct HandVisibility {
     persist_frames: u32,
     /// The context of the newest couple.
     context: Context,
@@ -52,7 +52,7 @@ pub(super) struct Watch {
     pub(super) is_begun_late: bool,
 }
 
-impl Watch {
+impl HandVisibility {
     /// Before the first couple: anything may have happened.
     pub(super) fn new(method: &Method) -> Self {
         Self {
