@@ -73,6 +73,7 @@ impl People {
             agreement.used_runs(runs).iter().map(|run| person_of(&run.name)).collect();
         let one_person = match people {
             Some(people) => f64::from(people.iter().all(|person| *person == people[0])),
+            None if agreement.ius().any(|iu| iu.kind.is_by_feel()) => 1.0,
             None => 1.0 / (1.0 + (-deviations.iter().map(|them| evidence_of_one(them)).sum::<f64>()).exp()),
         };
         let (variety, freedom) = variety(&deviations);
