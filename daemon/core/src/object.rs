@@ -9,6 +9,9 @@ use heapless::Vec;
 /// No finger tip is farther from the middle of what it carries, in metres.
 pub const REACH_M: f32 = 0.3;
 
+/// The width of a hand, in metres. Nobody holds an object farther from where others do, or from where the station says.
+pub const HAND_WIDTH_M: f32 = 0.1;
+
 /// What is known of an object before it is seen: its id and where it can be touched.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjectShape {

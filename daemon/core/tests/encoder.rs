@@ -515,7 +515,7 @@ fn a_hand_and_an_object_meet_an_object_where_the_runs_of_a_job_have_shown() {
 }
 
 #[test]
-fn what_moves_with_a_hand_is_in_it_where_nobody_has_shown_how_it_is_held() {
+fn what_moves_with_a_hand_is_in_it_within_reach_or_within_a_hands_width_of_how_it_was_shown_to_be_held() {
     let held_at = |metres: f32, rest: &[(u16, [f32; 2])]| {
         let mut bench = Bench::new(&[&[(TOOL, [0.0, metres])][..], rest].concat());
         bench.hand(Side::Right, [0.0, 0.0]).rest(30).hold(Side::Right, TOOL).go([0.3, 0.1], 30).rest(30);
@@ -532,8 +532,11 @@ fn what_moves_with_a_hand_is_in_it_where_nobody_has_shown_how_it_is_held() {
     assert!(is_box_first, "what a hand is at is what it acts on: {beside:?}");
     let mut shown = shapes(&[TOOL]);
     let _ = shown[0].contact_regions.push(met(ContactRegion::HAND, [0.0, 0.0, 0.0], 0.03));
-    let couples = encode_shapes(&shown, &held_at(0.12, &[]).frames);
-    assert_eq!(just_contexts(&couples, Side::Right), [[0; 4]; 0], "the runs have shown where it is held");
+    let held = |metres: f32| {
+        just_contexts(&encode_shapes(&shown, &held_at(metres, &[]).frames), Side::Right)
+    };
+    assert_eq!(held(0.08), [[1, TOOL, 0, 0]]);
+    assert_eq!(held(0.12), [[0; 4]; 0], "nobody holds it so far from where the runs have shown");
 }
 
 #[test]

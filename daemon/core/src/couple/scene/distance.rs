@@ -12,7 +12,7 @@ use crate::bounds::Around;
 use crate::capacity::{CONTACT_REGIONS, OBJECTS};
 use crate::config::{Contact, Method};
 use crate::input::{Point, Space};
-use crate::object::{ContactRegion, ObjectShape};
+use crate::object::{ContactRegion, HAND_WIDTH_M, ObjectShape, REACH_M};
 use heapless::Vec;
 
 /// Where and how near something is met.
@@ -35,8 +35,8 @@ pub(super) struct Shape {
     pub(super) radius_m: f32,
     /// The ids of the objects with which it has no contact ([`ObjectShape::incidental`]).
     incidental: Vec<u16, OBJECTS>,
-    /// It is not known where a hand holds it: no run shows it, and no interaction point was given beside its origin.
-    pub(super) is_held_anywhere: bool,
+    /// How far the finger tips may be from where it is touched and still carry it, in metres.
+    pub(super) held_within_m: f32,
     pub(super) is_position_only: bool,
     /// [`ObjectShape::start`].
     pub(super) start: Option<Around<3>>,
@@ -62,7 +62,7 @@ impl Shape {
             others: places.filter(|(with, _)| *with != ContactRegion::HAND).collect(),
             radius_m: shape.contact_regions.iter().map(is_met_within).fold(points.radius(), f32::max),
             incidental: shape.incidental.clone(),
-            is_held_anywhere: of_hand.is_none() && !shape.has_points(),
+            held_within_m: if of_hand.is_none() && !shape.has_points() { REACH_M } else { HAND_WIDTH_M },
             is_position_only: shape.is_position_only,
             start: shape.start,
         })

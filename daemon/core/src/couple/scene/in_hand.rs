@@ -11,14 +11,14 @@
 //! After it has let go, a hand that rests there again makes no new contact until the part moves with it. A tracker with errors of 1 or 2 mm
 //! would else see the step begin once more.
 //!
-//! Where nobody has shown how an object is held, nearness says nothing of it: it is in the hand that leads it.
+//! Nearness is how some people have been shown to hold an object, and others hold it elsewhere. What moves with one hand alone, and is within its
+//! reach, is in that hand wherever it is held.
 
 use super::super::geometry::{dot, norm, subtract};
 use super::super::poses::Source;
 use super::Scene;
 use crate::capacity::{HANDS, OBJECTS};
 use crate::input::Point;
-use crate::object::REACH_M;
 use core::f32::consts::SQRT_2;
 
 /// Two positions of what rests are seldom farther apart than this share of how far apart they are at most by chance, in the plane once in seven
@@ -71,7 +71,8 @@ impl Scene {
             for object in 0..self.objects.len() {
                 self.in_hand[hand][object] = self.next_in_hand(hand, object, age);
                 let is_held = self.in_hand[hand][object] == InHand::Yes;
-                let is_led = is_held && (self.led[hand].contains(object) || self.leads(hand, object, age));
+                let is_led = is_held
+                    && (self.led[hand].contains(object) || self.leads(hand, object, age) == Some(true));
                 self.led[hand].set(object, is_led);
                 if self.in_hand[hand][object] == InHand::Unknown {
                     // The frame does not show what the hand acts on.
@@ -83,9 +84,10 @@ impl Scene {
 
     fn next_in_hand(&self, hand: usize, object: usize, age: usize) -> InHand {
         let (edge, before) = (self.touches[hand][object], self.in_hand[hand][object]);
-        if !edge.is_believed() && self.objects[object].shape.is_held_anywhere {
-            let stays = self.led[hand].contains(object) && self.stays_anywhere(hand, object, age);
-            return if stays || self.leads(hand, object, age) { InHand::Yes } else { InHand::No };
+        let leads = if edge.is_believed() { Some(false) } else { self.leads(hand, object, age) };
+        let stays_led = || self.led[hand].contains(object) && self.stays_anywhere(hand, object, age);
+        if !edge.is_believed() && (leads == Some(true) || stays_led()) {
+            return InHand::Yes;
         }
         if before == InHand::Yes {
             let stays =
@@ -97,7 +99,7 @@ impl Scene {
             };
         }
         if !edge.is_believed() {
-            return InHand::No;
+            return if leads.is_none() { InHand::Unknown } else { InHand::No };
         }
         if let InHand::Lingers { farthest_m } = before
             && edge.was_known(age, self.method.persist_frames)
@@ -113,15 +115,19 @@ impl Scene {
     }
 
     /// Whether the object moves with this hand within its reach, by more than errors, and with nothing else: the hand is at no other object, and the
-    /// other hand not at this one.
-    fn leads(&self, hand: usize, object: usize, age: usize) -> bool {
+    /// other hand not at this one; `None` where that was not seen of the other hand.
+    fn leads(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
         let is_free = |other: usize| other == object || !self.touches[hand][other].is_believed();
-        self.objects[object].shape.is_held_anywhere
-            && self.is_within_reach(hand, object, age)
+        let is_moved_along = self.is_within_reach(hand, object, age)
             && (0..self.objects.len()).all(is_free)
             && self.in_hand[1 - hand][object] != InHand::Yes
             && self.follows(hand, object, age)
-            && self.goes_away(object, age)
+            && self.goes_away(object, age);
+        let is_other_seen = || {
+            self.hands[1 - hand].ago(age).source == Source::Never
+                || self.touches[1 - hand][object].was_known(age, self.method.persist_frames)
+        };
+        (!is_moved_along || is_other_seen()).then_some(is_moved_along)
     }
 
     /// Whether an object has gone farther than a contact is long when a change would be believed: drift does not take it there.
@@ -139,7 +145,7 @@ impl Scene {
     }
 
     fn is_within_reach(&self, hand: usize, object: usize, age: usize) -> bool {
-        self.distance_from_hand(hand, object, age) <= REACH_M
+        self.distance_from_hand(hand, object, age) <= self.objects[object].shape.held_within_m
     }
 
     /// What errors of some millimetres show of a hand that has opened at a part is no touch.
@@ -253,7 +259,7 @@ impl Scene {
     /// Whether the hand is as near to the object as a contact begins, or leads it.
     fn is_at(&self, hand: usize, object: usize, age: usize) -> bool {
         self.distance_from_hand(hand, object, age) <= self.hand_contact(object).on_m
-            || self.leads(hand, object, age)
+            || self.leads(hand, object, age) == Some(true)
     }
 
     /// As [`rests`](Self::rests), of a hand that is at the object, as far as these two show it: its finger tips rest, or its knuckle does while
