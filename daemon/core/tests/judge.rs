@@ -130,18 +130,28 @@ fn a_missing_activity_makes_the_job_incomplete_and_is_named() {
 }
 
 #[test]
-fn an_activity_done_twice_is_an_anomaly_at_its_second_touch_if_the_order_matters() {
+fn an_activity_done_twice_is_an_anomaly_as_soon_as_more_comes_than_its_last_iu_again_if_the_order_matters() {
     let right = [&polish(6)[..], &polish(6), &measure()].concat();
     expect(
         &Job { laws: &IN_ORDER, ..polish_and_measure() },
         &right,
         &[
             &POLISH_OK[..],
-            &["r1 ActivityAnomaly WrongOrder!", "r1.0 IuOk", "r1.1 IuOk", "r1.2 IuOk"],
+            &["r1.0 IuOk", "r1 ActivityAnomaly WrongOrder!", "r1.1 IuOk", "r1.2 IuOk"],
             &["r2.0 IuOk", "r2.1 IuOk", "r2.2 IuOk!", "r2 ActivityOk!", "JobAnomaly WrongOrder"],
         ]
         .concat(),
     );
+}
+
+#[test]
+fn a_hand_that_takes_again_what_it_has_put_down_and_lets_go_puts_it_right() {
+    let again = [part([1, 5, 0, 0], 10, Toward(6)), idle(20)];
+    let right = [&polish(6)[..], &again, &measure()].concat();
+    let job = Job { laws: &IN_ORDER, ..polish_and_measure() };
+    let verdicts = judged(&job, &stream(&right, &[]));
+    assert_eq!(short(verdicts.last().unwrap()), "JobOk");
+    assert!(verdicts.iter().all(|verdict| verdict.outcome == Outcome::Ok), "{verdicts:?}");
 }
 
 #[test]

@@ -320,7 +320,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let is_lost = self.comparisons.all_lost(observation);
         is_lost
             && is_place_certain
-            && !self.has_moved_nothing_yet()
+            && !self.may_give_up()
             && !self.may_pass(observation)
             && self.comparisons.nearest(observation).is_none_or(|nearest| !nearest.is_doubtful)
     }

@@ -65,6 +65,8 @@ pub(super) struct HandJudge<'a, M> {
     pub(super) interrupted: Option<Interrupted>,
     /// Of the open activity, and of the doubt before it.
     pub(super) occlusions: OcclusionLog,
+    /// The context of the last of several IUs of its newest activity, if that is right and the job goes on.
+    pub(super) newest_done: Option<Context>,
     /// Why its newest activity was not judged, of which the next one may be the remainder.
     pub(super) newest_unjudged: Option<Cause>,
     /// The couples have broken off.
@@ -105,6 +107,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             iu: None,
             interrupted: None,
             occlusions: OcclusionLog::new(side, method.period_ns()),
+            newest_done: None,
             newest_unjudged: None,
             is_broken_off: false,
         }
@@ -334,6 +337,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let broken = activity.broken.filter(|_| outcome == Outcome::Anomaly && reason == Reason::WrongOrder);
         let measured = activity.measured.filter(|_| outcome == Outcome::Anomaly);
         progress.set_note(note);
+        let done = nominal.filter(|_| outcome == Outcome::Ok).map(|nominal| progress.job.activities[nominal].ius);
+        let last = done.filter(|ius| ius.len() > 1).and_then(|ius| ius.last());
+        self.newest_done = last.map(|iu| iu.context.by_hand(self.side));
         self.newest_unjudged = (outcome == Outcome::NotJudged).then_some(Cause { reason, missing });
         match outcome {
             Outcome::Ok => {}

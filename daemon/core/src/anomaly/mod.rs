@@ -480,6 +480,7 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
                     progress.doubt_start();
                 }
                 progress.begin(began_ns, is_start_seen, unseen_since_ns);
+                hands.iter_mut().for_each(|hand| hand.newest_done = None);
                 if is_start_seen {
                     hands.iter_mut().for_each(|hand| hand.visibility.begin());
                 }

@@ -13,7 +13,7 @@ use heapless::Vec;
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// Concludes that the activity is out of order, as soon as every candidate is, once all events of one frame for both hands are known.
     pub(super) fn check_order(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
-        let (cannot_accuse, may_give_up) = (self.cannot_accuse(), self.has_moved_nothing_yet());
+        let (cannot_accuse, may_give_up) = (self.cannot_accuse(), self.may_give_up());
         let Some(activity) = &mut self.activity else { return };
         let candidates = activity.candidates();
         let is_order_certain = activity.is_order_certain();
