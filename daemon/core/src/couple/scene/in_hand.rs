@@ -118,11 +118,12 @@ impl Scene {
     /// other hand not at this one; `None` where that was not seen of the other hand.
     fn leads(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
         let is_free = |other: usize| other == object || !self.touches[hand][other].is_believed();
-        let is_moved_along = self.is_within_reach(hand, object, age)
+        // Most objects rest, so this comes first.
+        let is_moved_along = self.goes_away(object, age)
             && (0..self.objects.len()).all(is_free)
             && self.in_hand[1 - hand][object] != InHand::Yes
-            && self.follows(hand, object, age)
-            && self.goes_away(object, age);
+            && self.is_within_reach(hand, object, age)
+            && self.follows(hand, object, age);
         let is_other_seen = || {
             self.hands[1 - hand].ago(age).source == Source::Never
                 || self.touches[1 - hand][object].was_known(age, self.method.persist_frames)
