@@ -1,10 +1,10 @@
 //! Follows hands from frame to frame.
 
+use super::empty_bench::EmptyBench;
 use super::look::Look;
 use super::models::{LandmarkModel, Landmarks, PalmModel};
 use super::palm::Palms;
 use super::region::Region;
-use super::rest::Rest;
 use super::side::Evidence;
 use crate::config::HandsConfig;
 use crate::detections::{HANDS, LANDMARKS, Side, Timings};
@@ -59,7 +59,7 @@ pub(crate) struct Tracker<P, L> {
     lost: Vec<Lost, HANDS>,
     previous_ns: Option<u64>,
     frames_since_search: u32,
-    rest: Rest,
+    empty_bench: EmptyBench,
     /// Whether a search has begun beside the followed hands. The next frame takes what it has found, and waits for it where it must. The same frames
     /// give the same hands however fast the machine is.
     is_searching: bool,
@@ -77,7 +77,7 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
             lost: Vec::new(),
             previous_ns: None,
             frames_since_search: 0,
-            rest: Rest::default(),
+            empty_bench: EmptyBench::default(),
             is_searching: false,
         }
     }
@@ -108,7 +108,7 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
             self.search_where_one_is_missing(image, followed, timings)?;
         }
         if !self.tracks.is_empty() {
-            self.rest.end();
+            self.empty_bench.has_hand();
         }
         timings.landmarks_ns += self.looks.iter_mut().map(Look::spent_ns).sum::<u64>();
         match self.tracks.as_mut_slice() {
@@ -177,7 +177,7 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
     }
 
     /// Searches while nothing is followed, and beside what is followed otherwise: a hand that is missing does not hold up the other one. A
-    /// bench that rests is searched now and then, and at once when anything in its picture changes.
+    /// bench that is empty and unchanged is searched now and then, and at once when anything in its picture changes.
     fn search_where_one_is_missing(
         &mut self,
         image: &ImageView<'_>,
@@ -195,7 +195,11 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
         }
         if self.tracks.is_empty() {
             let is_due = self.frames_since_search >= self.config.search_every_frames;
-            return if !is_due && self.rest.lasts(image) { Ok(()) } else { self.search(image, timings) };
+            return if !is_due && self.empty_bench.is_unchanged(image) {
+                Ok(())
+            } else {
+                self.search(image, timings)
+            };
         }
         self.frames_since_search = 0;
         self.is_searching = true;
@@ -226,7 +230,7 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
         timings.palm_ns += begin.elapsed().as_nanos() as u64;
         self.look_at(image, &palms)?;
         if self.tracks.is_empty() {
-            self.rest.found_nothing(image);
+            self.empty_bench.found_nothing(image);
         }
         Ok(())
     }
