@@ -5,8 +5,8 @@
 
 mod crop;
 mod empty_bench;
+mod landmarker;
 mod light;
-mod look;
 mod models;
 mod palm;
 mod region;

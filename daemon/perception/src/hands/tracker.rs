@@ -1,7 +1,7 @@
 //! Follows hands from frame to frame.
 
 use super::empty_bench::EmptyBench;
-use super::look::Look;
+use super::landmarker::Landmarker;
 use super::models::{LandmarkModel, Landmarks, PalmModel};
 use super::palm::Palms;
 use super::region::Region;
@@ -53,7 +53,7 @@ struct Lost {
 pub(crate) struct Tracker<P, L> {
     palms: P,
     /// The first hand that is followed, and the second one where there are two to look with.
-    looks: Vec<Look<L>, HANDS>,
+    landmarkers: Vec<Landmarker<L>, HANDS>,
     config: HandsConfig,
     tracks: Vec<Track, HANDS>,
     lost: Vec<Lost, HANDS>,
@@ -68,10 +68,11 @@ pub(crate) struct Tracker<P, L> {
 impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
     /// `landmarks` is one model for each hand that is looked at side by side with another; there is at least one.
     pub(crate) fn new(palms: P, landmarks: Vec<L, HANDS>, config: HandsConfig) -> Self {
-        let looks = landmarks.into_iter().map(|model| Look::new(model, config.min_hand_score)).collect();
+        let landmarkers =
+            landmarks.into_iter().map(|model| Landmarker::new(model, config.min_hand_score)).collect();
         Self {
             palms,
-            looks,
+            landmarkers,
             config,
             tracks: Vec::new(),
             lost: Vec::new(),
@@ -110,7 +111,7 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
         if !self.tracks.is_empty() {
             self.empty_bench.has_hand();
         }
-        timings.landmarks_ns += self.looks.iter_mut().map(Look::spent_ns).sum::<u64>();
+        timings.landmarks_ns += self.landmarkers.iter_mut().map(Landmarker::spent_ns).sum::<u64>();
         match self.tracks.as_mut_slice() {
             [first, second] => first.evidence.settle_pair(&mut second.evidence),
             tracks => tracks.iter_mut().for_each(|track| track.evidence.settle()),
@@ -150,16 +151,19 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
         workers: &Workers,
     ) -> Result<(), PerceptionError> {
         let tracks = std::mem::take(&mut self.tracks);
-        let follow = |look: &mut Look<L>, track: &Track| look.follow(image, track.region, track.evidence);
+        let follow = |landmarker: &mut Landmarker<L>, track: &Track| {
+            landmarker.follow(image, track.region, track.evidence)
+        };
         let mut seen: Vec<Landmarks, HANDS> = Vec::new();
-        match (tracks.as_slice(), self.looks.as_mut_slice()) {
-            ([one, other], [look, other_look]) => {
-                let (one, other) = workers.join(|| follow(look, one), || follow(other_look, other));
+        match (tracks.as_slice(), self.landmarkers.as_mut_slice()) {
+            ([one, other], [landmarker, other_landmarker]) => {
+                let (one, other) =
+                    workers.join(|| follow(landmarker, one), || follow(other_landmarker, other));
                 seen.extend([one?, other?]);
             }
-            (tracks, [look, ..]) => {
+            (tracks, [landmarker, ..]) => {
                 for track in tracks {
-                    seen.extend([follow(look, track)?]);
+                    seen.extend([follow(landmarker, track)?]);
                 }
             }
             (_, []) => {}
@@ -244,22 +248,22 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
         let taken = |tracks: &[Track], region: &Region| {
             tracks.iter().any(|track| track.region.overlap(region) > SAME_HAND)
         };
-        let Some(look) = self.looks.first_mut() else { return Ok(()) };
+        let Some(landmarker) = self.landmarkers.first_mut() else { return Ok(()) };
         if self.tracks.is_full() || taken(&self.tracks, &region) {
             return Ok(());
         }
-        let seen = look.at(image, region)?;
+        let seen = landmarker.at(image, region)?;
         let next = Region::of_landmarks(&seen.points_px);
         if seen.presence >= self.config.min_hand_score && !taken(&self.tracks, &next) {
             let evidence = recall(&mut self.lost, &next);
-            let seen = look.nearer(image, region, evidence, seen)?;
+            let seen = landmarker.nearer(image, region, evidence, seen)?;
             self.keep(evidence, Region::of_landmarks(&seen.points_px), &seen);
         }
         Ok(())
     }
 
     fn keep(&mut self, mut evidence: Evidence, region: Region, seen: &Landmarks) {
-        evidence.look(seen.right);
+        evidence.take(seen.right);
         let track = Track { region, evidence, seen: *seen };
         // There is room: `look` has checked, and `follow` keeps no more than it took.
         let _ = self.tracks.push(track);
