@@ -4,7 +4,7 @@ use andon_host::config::Config;
 use andon_host::log::{Remedy, code, log};
 use andon_host::role::Liveness;
 use andon_perception::Detections;
-use andon_perception::sight::{Expected, Look, Rates, Spell, Trouble};
+use andon_perception::sight::{Expected, Observation, Rates, Spell, Trouble};
 use shm_schemas::{FrameHeader, Judging, Sight};
 
 use crate::sight;
@@ -48,7 +48,7 @@ impl SightWatch {
         dropped: u32,
         liveness: &mut Liveness,
     ) -> bool {
-        let spell = self.sight.step(&Look::new(seen, dropped));
+        let spell = self.sight.step(&Observation::new(seen, dropped));
         if spell != self.newest || !self.has_looked {
             // The frame was captured when both clocks showed this.
             let monotonic_ns =

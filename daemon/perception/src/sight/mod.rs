@@ -7,11 +7,11 @@
 //! camera has shown so far, and whoever still finds markers or hands is not blind.
 
 mod camera;
-mod look;
+mod observation;
 mod watch;
 
 #[cfg(test)]
 mod tests;
 
-pub use look::{Corners, Look, SeenMarker};
+pub use observation::{Corners, Observation, SeenMarker};
 pub use watch::{Expected, Rates, Sight, Spell, Trouble};
