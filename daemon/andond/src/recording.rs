@@ -14,7 +14,7 @@ use andon_learn::file;
 use andon_learn::recording::{
     Header, Landmarks, NamedObject, SeenTracks, TrackError, Truncation, object_name,
 };
-use andon_perception::sight::{Observation, Sight};
+use andon_perception::sight::{Observation, SightMonitor};
 use andon_perception::{ImageView, Perceiver, PerceptionError, PixelFormat};
 use shm_schemas::{Detections, flag};
 
@@ -91,7 +91,7 @@ enum Source {
 struct Watched {
     film: Film,
     perceiver: Perceiver,
-    sight: Sight,
+    sight: SightMonitor,
     seen: Detections,
 }
 
@@ -150,7 +150,7 @@ impl Recording {
                 .map(|(object, shape)| NamedObject { name: object.name.clone(), shape })
                 .collect(),
         };
-        let sight = Sight::new(crate::sight::expected(config));
+        let sight = SightMonitor::new(crate::sight::expected(config));
         let watched = Watched { film, perceiver, sight, seen: Detections::default() };
         Ok(Self::of(header, Source::Film(Box::new(watched))))
     }

@@ -12,7 +12,7 @@ use crate::sight;
 /// Follows what `perceive` sees.
 pub(super) struct SightWatch {
     expected: Expected,
-    sight: andon_perception::sight::Sight,
+    sight: andon_perception::sight::SightMonitor,
     /// The pictures per second that the job in force needs.
     needed_hz: Option<f32>,
     newest: Option<Spell>,
@@ -23,13 +23,13 @@ impl SightWatch {
     pub(super) fn new(config: &Config) -> Self {
         let rate_hz = config.camera.source.is_live().then_some(config.camera.rate_hz);
         let expected = Expected { rate_hz, ..sight::expected(config) };
-        let sight = andon_perception::sight::Sight::new(expected);
+        let sight = andon_perception::sight::SightMonitor::new(expected);
         Self { expected, sight, needed_hz: None, newest: None, has_looked: false }
     }
 
     /// Begins with another source: nothing that was seen before holds.
     pub(super) fn begin(&mut self) {
-        self.sight = andon_perception::sight::Sight::new(self.expected);
+        self.sight = andon_perception::sight::SightMonitor::new(self.expected);
         self.sight.set_needed_hz(self.needed_hz);
         (self.newest, self.has_looked) = (None, false);
     }

@@ -1,7 +1,7 @@
 //! The state machine on scripted observations; what real pictures measure is in the measurement `perception_accuracy sight`.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use super::{Expected, Observation, Rates, SeenMarker, Sight, Spell, Trouble};
+use super::{Expected, Observation, Rates, SeenMarker, SightMonitor, Spell, Trouble};
 use crate::picture::{CELLS, Picture};
 
 mod camera;
@@ -10,7 +10,7 @@ const FRAME_NS: u64 = 33_333_333;
 
 /// A camera whose pictures are scripted.
 struct Bench {
-    sight: Sight,
+    sight: SightMonitor,
     now_ns: u64,
     number: u64,
 }
@@ -49,7 +49,7 @@ fn blind(change: impl Fn(&mut Picture)) -> Observation {
 impl Bench {
     fn new() -> Self {
         Self {
-            sight: Sight::new(Expected { rate_hz: None, hands: true, is_calibrated: false }),
+            sight: SightMonitor::new(Expected { rate_hz: None, hands: true, is_calibrated: false }),
             now_ns: 0,
             number: 0,
         }
@@ -216,7 +216,7 @@ fn a_film_that_is_slower_than_the_job_needs_is_said_although_none_of_its_frames_
 #[test]
 fn a_camera_that_sends_less_than_half_of_what_it_was_asked_for_is_too_slow() {
     let mut bench = Bench::new();
-    bench.sight = Sight::new(Expected { rate_hz: Some(90.0), hands: true, is_calibrated: false });
+    bench.sight = SightMonitor::new(Expected { rate_hz: Some(90.0), hands: true, is_calibrated: false });
     let said = bench.show(10.0, |_| good());
     assert!(matches!(said[..], [(Some(Trouble::TooFewFrames), _)]), "{said:?}");
 }

@@ -1,7 +1,7 @@
 //! Whether the camera was moved.
 
 use super::{Bench, good, marker};
-use crate::sight::{Expected, Observation, Sight, Trouble};
+use crate::sight::{Expected, Observation, SightMonitor, Trouble};
 
 /// A bench with three parts; the camera is turned by `turn` radians and shifted by `shift` pixels.
 fn seen_from(turn: f32, shift: [f32; 2]) -> Observation {
@@ -27,7 +27,7 @@ fn said_after(
     observation: impl Fn(u64) -> Observation,
 ) -> (Bench, Vec<Option<Trouble>>) {
     let mut bench = Bench::new();
-    bench.sight = Sight::new(Expected { rate_hz: None, hands: true, is_calibrated });
+    bench.sight = SightMonitor::new(Expected { rate_hz: None, hands: true, is_calibrated });
     assert_eq!(bench.show(5.0, |_| seen_from(0.0, [0.0; 2])), []);
     let said = bench.show(seconds, observation).into_iter().map(|(trouble, _)| trouble).collect();
     (bench, said)

@@ -87,7 +87,7 @@ pub struct Expected {
 }
 
 /// Follows one camera.
-pub struct Sight {
+pub struct SightMonitor {
     expected: Expected,
     baseline: Baseline,
     stillness: Stillness,
@@ -101,7 +101,7 @@ pub struct Sight {
     current: Option<Spell>,
 }
 
-impl Sight {
+impl SightMonitor {
     /// Nothing has been seen.
     pub fn new(expected: Expected) -> Self {
         Self {
