@@ -12,7 +12,7 @@ use andon_core::config::Method;
 use andon_host::atomic::folder_of;
 use andon_host::config::Config;
 use andon_learn::run::Run;
-use andon_learn::seen::Seen;
+use andon_learn::run_summary::RunSummary;
 use tempfile::NamedTempFile;
 
 use super::bench::{Bench, Look};
@@ -150,17 +150,17 @@ impl Showing<'_> {
         let name = format!("run {number}");
         let run = Run::read(&name, &bytes, &method)
             .map_err(|source| ToolError::Run { path: name.clone().into(), source })?;
-        let seen = Seen::of(&run, &method);
+        let summary = RunSummary::of(&run, &method);
         let lost = if lost > 0 {
             format!("; {lost} frames were lost, because the machine is too busy")
         } else {
             String::new()
         };
-        say(&format!("  {name}: {seen}{lost}"));
-        if seen.steps.is_empty() {
+        say(&format!("  {name}: {summary}{lost}"));
+        if summary.steps.is_empty() {
             say("  not kept: there is nothing to learn from it");
         }
-        Ok(!seen.steps.is_empty())
+        Ok(!summary.steps.is_empty())
     }
 
     /// Asks whether a run is kept.
