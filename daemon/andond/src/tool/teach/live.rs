@@ -15,7 +15,7 @@ use andon_learn::run::Run;
 use andon_learn::run_summary::RunSummary;
 use tempfile::NamedTempFile;
 
-use super::bench::{Bench, Look};
+use super::bench::{Bench, Event};
 use crate::cli::Teach;
 use crate::recorder::{Recorder, header};
 use crate::tool::runs::file_name;
@@ -97,19 +97,19 @@ impl Showing<'_> {
         // A film that has come to its end has nothing more to show.
         let mut is_last = false;
         loop {
-            match bench.look()? {
-                Look::Frame(frame) => {
+            match bench.next_event()? {
+                Event::Frame(frame) => {
                     if !recorder.write(*frame)? {
                         // The film of the station begins again.
                         break;
                     }
                 }
-                Look::End => {
+                Event::End => {
                     is_last = true;
                     break;
                 }
-                Look::Stop => return Ok(Next::End(End::GivenUp)),
-                Look::Nothing => {}
+                Event::Stop => return Ok(Next::End(End::GivenUp)),
+                Event::Nothing => {}
             }
             match self.input.line() {
                 None => {}
@@ -117,7 +117,7 @@ impl Showing<'_> {
                 Some(Line::Text(text)) if text == "d" => return Ok(Next::Run),
                 Some(Line::Text(_)) => {
                     // What came before the answer belongs to the run.
-                    while let Some(Look::Frame(frame)) = bench.waiting()? {
+                    while let Some(Event::Frame(frame)) = bench.waiting()? {
                         recorder.write(*frame)?;
                     }
                     break;
@@ -167,7 +167,7 @@ impl Showing<'_> {
     fn ask(&mut self, bench: &mut Bench, part: NamedTempFile) -> Result<Next, ToolError> {
         say(QUESTION);
         loop {
-            if matches!(bench.look()?, Look::Stop) {
+            if matches!(bench.next_event()?, Event::Stop) {
                 return Ok(Next::End(End::GivenUp));
             }
             let Some(line) = self.input.line() else { continue };
