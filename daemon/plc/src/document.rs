@@ -18,6 +18,16 @@ pub fn document() -> String {
     text
 }
 
+/// Writes the table of an enum of the wire, whose values the register of this name shows.
+macro_rules! write_numbers {
+    ($out:expr, $register:literal, $enum:ty) => {{
+        writeln!($out, "\n`{}`\n\n| number | name | meaning |\n|---|---|---|", $register)?;
+        <$enum>::ALL
+            .iter()
+            .try_for_each(|it| writeln!($out, "| {} | {} | {} |", it.code(), it.name(), it.meaning()))
+    }};
+}
+
 fn write_document(out: &mut String) -> fmt::Result {
     write!(out, "{}", introduction())?;
     writeln!(out, "\n## Registers\n\n| address | name | type | access | meaning |\n|---|---|---|---|---|")?;
@@ -41,31 +51,17 @@ fn write_document(out: &mut String) -> fmt::Result {
         out,
         "\nAll other bits must be 0. A write that sets one is answered with exception 3 and changes nothing."
     )?;
-    writeln!(out, "\n## Numbers\n\n`level`\n\n| number | name | meaning |\n|---|---|---|")?;
-    for level in VerdictLevel::ALL {
-        writeln!(out, "| {} | {} | {} |", level.code(), level.name(), level.meaning())?;
-    }
-    writeln!(out, "\n`reason`\n\n| number | name | meaning |\n|---|---|---|")?;
-    for reason in VerdictReason::ALL {
-        writeln!(out, "| {} | {} | {} |", reason.code(), reason.name(), reason.meaning())?;
-    }
-    writeln!(out, "\n`note`\n\n| number | name | meaning |\n|---|---|---|")?;
-    for note in VerdictNote::ALL {
-        writeln!(out, "| {} | {} | {} |", note.code(), note.name(), note.meaning())?;
-    }
+    writeln!(out, "\n## Numbers")?;
+    write_numbers!(out, "level", VerdictLevel)?;
+    write_numbers!(out, "reason", VerdictReason)?;
+    write_numbers!(out, "note", VerdictNote)?;
     writeln!(out, "\n`measure`\n\n| number | name | meaning | unit in the registers |\n|---|---|---|---|")?;
     for measure in VerdictMeasure::ALL {
         let (number, name, unit) = (measure.code(), measure.name(), measure_scale(*measure).1);
         writeln!(out, "| {number} | {name} | {} | {unit} |", measure.meaning())?;
     }
-    writeln!(out, "\n`refusal`\n\n| number | name | meaning |\n|---|---|---|")?;
-    for refusal in Refusal::ALL {
-        writeln!(out, "| {} | {} | {} |", refusal.code(), refusal.name(), refusal.meaning())?;
-    }
-    writeln!(out, "\n`phase`\n\n| number | name | meaning |\n|---|---|---|")?;
-    for phase in JudgePhase::ALL {
-        writeln!(out, "| {} | {} | {} |", phase.code(), phase.name(), phase.meaning())?;
-    }
+    write_numbers!(out, "refusal", Refusal)?;
+    write_numbers!(out, "phase", JudgePhase)?;
     writeln!(out, "\n`error`\n\n| number | meaning and remedy |\n|---|---|")?;
     for fault in Fault::ALL {
         writeln!(out, "| {} | {} |", fault as u16, fault.meaning())?;
