@@ -15,7 +15,7 @@ pub struct Teller {
     faults: Vec<Fault>,
     /// The steps that have come, right or wrong.
     done: Vec<u16>,
-    /// The first step that is none of the job.
+    /// The first step that is not part of the job.
     instead: Option<Instead>,
     /// The fault that the last line is about.
     last: Option<usize>,
@@ -127,7 +127,7 @@ impl Teller {
         }
     }
 
-    /// Which step would have been next, where one came that is none of the job.
+    /// Which step would have been next, where one came that is not part of the job.
     fn next(&self, verdict: &Verdict, names: &Names) -> Option<u16> {
         let is_other = verdict.note == Some(Note::Step) && verdict.level == Level::Activity;
         (0..names.steps().len() as u16).find(|step| is_other && !self.done.contains(step))

@@ -132,7 +132,7 @@ fn named(
     Ok(found.into_values().collect())
 }
 
-/// The name of a recording without its ending; `None` of a file that is none.
+/// The name of a recording without its ending; `None` if the file is no recording.
 fn stem(path: &Path) -> Option<String> {
     let name = path.file_name()?.to_str()?;
     if let Some(stem) = name.strip_suffix(TRACKS) {

@@ -23,7 +23,7 @@ use source::Source;
 
 /// A live page need not show more pictures than this per second, and looking at more would take time from the line.
 const PAGE_HZ: f64 = 10.0;
-/// What the page says depends on as many pictures: some seconds.
+/// What the page says depends on this many pictures: some seconds.
 const PAGE_PICTURES: usize = 30;
 
 /// Runs the command.

@@ -122,7 +122,7 @@ impl Showing<'_> {
                     }
                     break;
                 }
-                // A run that nobody has ended is none.
+                // A run that nobody has ended does not count.
                 Some(Line::End) => return Ok(Next::End(End::Teach)),
             }
         }
