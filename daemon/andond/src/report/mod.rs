@@ -16,7 +16,7 @@ mod words;
 pub use json::{EventLine, VerdictLine};
 pub use names::{Names, Step};
 pub(crate) use not_watching::NotWatchingLine;
-pub use teller::{Cause, Line, Teller};
+pub use teller::{Cause, Teller, TextLine};
 pub use words::{has_contact, is_instead, outcome_word, verdict_sentence};
 
 /// The time of a verdict on a recording, in a column.

@@ -26,7 +26,7 @@ const HELD: f32 = 0.5;
 
 /// One sentence.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(super) struct Line {
+pub(super) struct Finding {
     /// Nothing needs to be done.
     pub(super) is_good: bool,
     /// What it is about, such as the name of a part.
@@ -34,12 +34,12 @@ pub(super) struct Line {
     pub(super) sentence: String,
 }
 
-fn line(is_good: bool, about: &str, sentence: impl Into<String>) -> Line {
-    Line { is_good, about: about.to_owned(), sentence: sentence.into() }
+fn finding(is_good: bool, about: &str, sentence: impl Into<String>) -> Finding {
+    Finding { is_good, about: about.to_owned(), sentence: sentence.into() }
 }
 
 /// Everything that the pictures say, in the order in which it is put right.
-pub(super) fn sentences(inspections: &[Inspection], config: &Config, format: PictureFormat) -> Vec<Line> {
+pub(super) fn sentences(inspections: &[Inspection], config: &Config, format: PictureFormat) -> Vec<Finding> {
     if inspections.is_empty() {
         return Vec::new();
     }
@@ -67,7 +67,7 @@ fn median(mut values: Vec<f32>) -> Option<f32> {
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f32::total_cmp).1)
 }
 
-fn light(inspections: &[Inspection]) -> Line {
+fn light(inspections: &[Inspection]) -> Finding {
     let grey = |inspection: &Inspection| {
         mean(inspection.picture.cells.iter().flatten().map(|level| f32::from(*level)))
     };
@@ -84,14 +84,14 @@ fn light(inspections: &[Inspection]) -> Line {
     } else if noise > NOISY {
         "the picture is noisy: more light, so that the camera amplifies less"
     } else {
-        return line(true, "light", figures);
+        return finding(true, "light", figures);
     };
-    line(false, "light", format!("{advice} ({figures})"))
+    finding(false, "light", format!("{advice} ({figures})"))
 }
 
-fn sharpness(inspections: &[Inspection]) -> Line {
+fn sharpness(inspections: &[Inspection]) -> Finding {
     match median(inspections.iter().filter_map(|inspection| inspection.picture.sharpness).collect()) {
-        None => line(
+        None => finding(
             false,
             "sharpness",
             "no sharp edge is in the picture: put parts into view, or focus the lens",
@@ -102,10 +102,10 @@ fn sharpness(inspections: &[Inspection]) -> Line {
                 100.0 * share,
                 100.0 * SOFT
             );
-            line(false, "sharpness", sentence)
+            finding(false, "sharpness", sentence)
         }
         Some(share) => {
-            line(true, "sharpness", format!("{:.0} % of an edge lies within two pixels", 100.0 * share))
+            finding(true, "sharpness", format!("{:.0} % of an edge lies within two pixels", 100.0 * share))
         }
     }
 }
@@ -118,7 +118,7 @@ struct Sizes {
 }
 
 /// A part by its marker: whether it is seen, and is large enough in the picture.
-fn part(inspections: &[Inspection], object: &Object, sizes: Sizes, format: PictureFormat) -> Line {
+fn part(inspections: &[Inspection], object: &Object, sizes: Sizes, format: PictureFormat) -> Finding {
     let Sizes { needed_px, wanted_px } = sizes;
     let seen: Vec<[[f32; 2]; 4]> =
         inspections.iter().filter_map(|inspection| inspection.part(object.id)).collect();
@@ -130,10 +130,10 @@ fn part(inspections: &[Inspection], object: &Object, sizes: Sizes, format: Pictu
             "its marker {} is in view twice, and nobody knows which one is the part: take the other print away, or give it an id of its own",
             object.marker_id().unwrap_or(object.id)
         );
-        return line(false, about, sentence);
+        return finding(false, about, sentence);
     }
     let Some(width) = median(seen.iter().map(side_px).collect()) else {
-        return line(false, about, unseen(inspections, object.marker_id().unwrap_or(object.id)));
+        return finding(false, about, unseen(inspections, object.marker_id().unwrap_or(object.id)));
     };
     let share = share(seen.len(), inspections.len());
     if width.round() < needed_px {
@@ -142,21 +142,21 @@ fn part(inspections: &[Inspection], object: &Object, sizes: Sizes, format: Pictu
         let sentence = format!(
             "its marker is {width:.0} px wide; {wanted_px:.0} are needed: come nearer, or print it at {print_mm:.0} mm ({share})"
         );
-        return line(false, about, sentence);
+        return finding(false, about, sentence);
     }
     let near_edge = seen.iter().filter(|corners| is_at_edge(corners, format)).count();
     if 2 * near_edge > seen.len() {
         let sentence = format!(
             "it lies at the edge of the picture, and is lost when it is moved: turn the camera ({share})"
         );
-        return line(false, about, sentence);
+        return finding(false, about, sentence);
     }
     let enough = if width.round() < wanted_px {
         format!("enough, with little reserve for noise and dim light: {wanted_px:.0} are better")
     } else {
         format!("{wanted_px:.0} are needed")
     };
-    line(true, about, format!("its marker is {width:.0} px wide; {enough} ({share})"))
+    finding(true, about, format!("its marker is {width:.0} px wide; {enough} ({share})"))
 }
 
 /// Why a marker is in no picture.
@@ -186,7 +186,7 @@ fn is_at_edge(corners: &[[f32; 2]; 4], format: PictureFormat) -> bool {
     corners.iter().any(|[x, y]| is_near(*x, format.width) || is_near(*y, format.height))
 }
 
-fn hand(inspections: &[Inspection], side: Side) -> Line {
+fn hand(inspections: &[Inspection], side: Side) -> Finding {
     let about = format!("{} hand", side.name());
     let has_hand = |inspection: &Inspection| inspection.has_hand(side);
     let between = inspections.iter().position(has_hand).zip(inspections.iter().rposition(has_hand));
@@ -195,22 +195,22 @@ fn hand(inspections: &[Inspection], side: Side) -> Line {
             inspections.iter().filter(|inspection| inspection.hands > inspection.seen.hands().len()).count();
         if 4 * others > inspections.len() {
             let sentence = "not seen, but a hand that perception.hands does not name is in view: name both, or the one that works here";
-            return line(false, &about, sentence);
+            return finding(false, &about, sentence);
         }
         // Nobody needs to work while the bench is set up.
-        return line(true, &about, "not seen: hold it over the bench to try it");
+        return finding(true, &about, "not seen: hold it over the bench to try it");
     };
     let seen = inspections.iter().filter(|inspection| inspection.has_hand(side)).count();
     let said = share(seen, inspections.len());
     if (seen as f32) < HELD * (last - first + 1) as f32 {
         let advice = "it is lost again and again: more light, the wrist in view, or the hand bare";
-        return line(false, &about, format!("{advice} ({said})"));
+        return finding(false, &about, format!("{advice} ({said})"));
     }
-    line(true, &about, said)
+    finding(true, &about, said)
 }
 
 /// Markers that belong to no part.
-fn strangers(inspections: &[Inspection]) -> Option<Line> {
+fn strangers(inspections: &[Inspection]) -> Option<Finding> {
     let mut ids: Vec<u16> =
         inspections.iter().flat_map(|inspection| inspection.others.iter().map(|marker| marker.id)).collect();
     ids.sort_unstable();
@@ -227,14 +227,14 @@ fn strangers(inspections: &[Inspection]) -> Option<Line> {
              for `andond calibrate`",
             listed.join(", ")
         );
-        return Some(line(false, "others", sentence));
+        return Some(finding(false, "others", sentence));
     }
     let is_foreign =
         inspections.iter().filter(|inspection| inspection.foreign > 0).count() * 2 > inspections.len();
     is_foreign.then(|| {
         let sentence =
             "markers of another dictionary are in view: print those of `andond markers`, or name theirs in perception.dictionary";
-        line(false, "others", sentence)
+        finding(false, "others", sentence)
     })
 }
 

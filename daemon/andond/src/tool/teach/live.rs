@@ -113,9 +113,9 @@ impl Showing<'_> {
             }
             match self.input.line() {
                 None => {}
-                Some(Line::Text(text)) if text == "q" => return Ok(Next::End(End::GivenUp)),
-                Some(Line::Text(text)) if text == "d" => return Ok(Next::Run),
-                Some(Line::Text(_)) => {
+                Some(Typed::Text(text)) if text == "q" => return Ok(Next::End(End::GivenUp)),
+                Some(Typed::Text(text)) if text == "d" => return Ok(Next::Run),
+                Some(Typed::Text(_)) => {
                     // What came before the answer belongs to the run.
                     while let Some(Event::Frame(frame)) = bench.waiting()? {
                         recorder.write(*frame)?;
@@ -123,7 +123,7 @@ impl Showing<'_> {
                     break;
                 }
                 // A run that nobody has ended does not count.
-                Some(Line::End) => return Ok(Next::End(End::Teach)),
+                Some(Typed::End) => return Ok(Next::End(End::Teach)),
             }
         }
         recorder.finish()?;
@@ -172,7 +172,7 @@ impl Showing<'_> {
             }
             let Some(line) = self.input.line() else { continue };
             match line {
-                Line::Text(text) => match text.as_str() {
+                Typed::Text(text) => match text.as_str() {
                     "" | "k" => self.keep(part)?,
                     "d" => say("  dropped"),
                     "t" => {
@@ -185,7 +185,7 @@ impl Showing<'_> {
                         continue;
                     }
                 },
-                Line::End => {
+                Typed::End => {
                     say("  dropped, because nobody has kept it");
                     return Ok(Next::End(End::Teach));
                 }
@@ -214,7 +214,7 @@ impl Showing<'_> {
 }
 
 /// What a person answers.
-enum Line {
+enum Typed {
     Text(String),
     /// Nobody answers any more.
     End,
@@ -235,11 +235,11 @@ impl Input {
     }
 
     /// The next line, if there is one.
-    fn line(&self) -> Option<Line> {
+    fn line(&self) -> Option<Typed> {
         match self.0.recv_timeout(Duration::ZERO) {
-            Ok(text) => Some(Line::Text(text)),
+            Ok(text) => Some(Typed::Text(text)),
             Err(RecvTimeoutError::Timeout) => None,
-            Err(RecvTimeoutError::Disconnected) => Some(Line::End),
+            Err(RecvTimeoutError::Disconnected) => Some(Typed::End),
         }
     }
 }
