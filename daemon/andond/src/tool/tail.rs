@@ -12,7 +12,7 @@ use shm_schemas::{Health, RoleId, Verdict as Message};
 
 use super::clock::Clock;
 use super::join::join;
-use super::known::KnownJobs;
+use super::known_jobs::KnownJobs;
 use super::{ToolError, running_config};
 use crate::cli::{self, Tail};
 use crate::outage::{Outage, Outages};
