@@ -37,7 +37,7 @@ pub struct Column {
     pub name: &'static str,
     /// Reads it.
     pub get: for<'v> fn(&'v Verdict) -> Value<'v>,
-    /// Writes it. What does not fit there is none.
+    /// Writes it. A value that does not fit becomes none.
     pub set: fn(&mut Verdict, Value<'_>),
 }
 
@@ -128,7 +128,7 @@ fn station_bytes(value: Value<'_>) -> [u8; STATION_BYTES] {
     bytes
 }
 
-/// What another program has put in place of an id is none.
+/// The part id; whatever else another program has put there counts as none.
 fn part(value: Value<'_>) -> PartId {
     if let Value::Text(text) = value {
         PartId::new(text.as_bytes()).unwrap_or(PartId::NONE)

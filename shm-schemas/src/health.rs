@@ -84,7 +84,7 @@ wire! { "andon.Health", 144;
         sent_epoch: u64,
         /// Messages received on the role's data channel.
         received: u64,
-        /// Steps of its work: for `capture` and `perceive` one per frame. The message that ends a recording is none.
+        /// Steps of its work: for `capture` and `perceive` one per frame. The message that ends a recording does not count.
         steps: u64,
         /// Messages that it did not get or skipped, by the gaps in `seq`, and frames that their source itself lost.
         losses: u64,

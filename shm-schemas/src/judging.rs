@@ -24,7 +24,7 @@ codes! {
         None = 0 as "none",
         /// There is no file of this job.
         NoSuchJob = 1 as "no such job",
-        /// There is a file of this job, and its hash is another one.
+        /// There is a file of this job, but with another hash.
         OtherVersion = 2 as "other version",
         /// Two files have this job: one of them must go, or the hash must say which is meant.
         Ambiguous = 3 as "ambiguous",

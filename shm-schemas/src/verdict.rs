@@ -31,7 +31,7 @@ codes! {
     enum VerdictOutcome: u8 {
         /// It was done right.
         Ok = 1 as "ok",
-        /// It cannot be right any more.
+        /// It can no longer be right.
         Anomaly = 2 as "anomaly",
         /// Too little was seen to decide.
         NotJudged = 3 as "not_judged",
@@ -87,7 +87,7 @@ codes! {
         FramesMissing = 14,
         /// Too few frames came.
         TooFewFrames = 15,
-        /// Whether its two objects touched, or one only passed the other, could not be told.
+        /// It could not be told whether its two objects touched or one only passed the other.
         Passing = 16,
         /// The marker of an object was in view twice, so that it was not known which of the two lay on it.
         MarkerTwice = 17,
@@ -105,7 +105,7 @@ codes! {
         Again = 2,
         /// The other hand did it.
         OtherHand = 3,
-        /// An unknown step, with parts of the job alone.
+        /// An unknown step, with no other parts than those of the job.
         Step = 4,
     }
 }
@@ -139,11 +139,11 @@ codes! {
         StrokeLength = 3,
         /// The length of its path, in metres.
         Path = 4,
-        /// How far its direction lies from the one that was shown, in degrees.
+        /// The angle between its direction and the one that was shown, in degrees.
         Direction = 5,
-        /// How far its place lies from the one that was shown, in metres.
+        /// The distance between its place and the one that was shown, in metres.
         Place = 6,
-        /// The lateral deviation: how far off the straight line the way of the hand leads, in metres.
+        /// The lateral deviation: the maximum distance of the hand's path from the straight line, in metres.
         LateralDeviation = 7 as "Bow",
     }
 }
@@ -181,7 +181,7 @@ wire! { "andon.Verdict", 192;
         distance: f32,
         /// The threshold for that distance; NaN when there is none.
         threshold: f32,
-        /// What the measure is that is out of its bounds, in the unit of `measure`; NaN when none is.
+        /// The value of the measure that is out of its bounds, in the unit of `measure`; NaN when none is.
         measured: f32,
         /// The minimum that was shown; NaN when none is.
         shown_min: f32,

@@ -16,7 +16,7 @@ impl Arguments {
         Self(std::env::args().skip(1).collect())
     }
 
-    /// The argument at this index, from 0, as a number. Panics where it is none.
+    /// The argument at this index, from 0, as a number. Panics if it is not a number.
     pub fn number<N: FromStr>(&self, index: usize, default: N) -> N {
         self.0.get(index).map_or(default, |text| {
             text.parse().unwrap_or_else(|_| panic!("argument {}: {text:?} is not a number", index + 1))

@@ -1,5 +1,5 @@
-//! Work of two hands by feel: each of ten runs of one person is judged by the job that the nine others teach, and by the job that another person
-//! teaches.
+//! Work of two hands by feel. Each of ten runs of one person is judged twice: by the job that the nine others teach, and by the job of another
+//! person.
 //!
 //! The people are drawn. `ANDON_SEED` chooses them, and `ANDON_SETS` how many sets of ten runs, by turns of each work. `ANDON_BOXES=1` takes a camera
 //! that sees boxes instead of motion capture. `-- --nocapture` prints the table.

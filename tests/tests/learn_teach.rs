@@ -8,7 +8,7 @@ use andon_learn::distribution::Distribution;
 use andon_learn::job_file::{JobFault, JobFile};
 use andon_learn::rule::ThresholdRule;
 use andon_learn::run::Run;
-use andon_learn::seen::Seen;
+use andon_learn::run_summary::RunSummary;
 use andon_learn::strictness::Strictness;
 use andon_learn::teach::{TeachError, TeachOptions, TeachReport, teach};
 use andon_tests::deletion::Deletion;
@@ -81,7 +81,7 @@ fn a_run_shows_its_steps_where_nobody_says_where_parts_are_touched() {
     let performance = Performance { seed: SEED, person: 1, repetition: 1, noise: Noise::default() };
     let recording = without_points(perform(&performance, Flaw::None).0);
     let run = Run::new("p1", "", &recording, &Method::default()).unwrap();
-    let seen = Seen::of(&run, &Method::default());
+    let seen = RunSummary::of(&run, &Method::default());
     let steps: Vec<&str> = seen.steps.iter().map(|(step, _)| step.as_str()).collect();
     assert_eq!(
         steps,

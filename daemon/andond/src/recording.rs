@@ -14,7 +14,7 @@ use andon_learn::file;
 use andon_learn::recording::{
     Header, Landmarks, NamedObject, SeenTracks, TrackError, Truncation, object_name,
 };
-use andon_perception::sight::{Look, Sight};
+use andon_perception::sight::{Observation, SightMonitor};
 use andon_perception::{ImageView, Perceiver, PerceptionError, PixelFormat};
 use shm_schemas::{Detections, flag};
 
@@ -91,7 +91,7 @@ enum Source {
 struct Watched {
     film: Film,
     perceiver: Perceiver,
-    sight: Sight,
+    sight: SightMonitor,
     seen: Detections,
 }
 
@@ -150,7 +150,7 @@ impl Recording {
                 .map(|(object, shape)| NamedObject { name: object.name.clone(), shape })
                 .collect(),
         };
-        let sight = Sight::new(crate::sight::expected(config));
+        let sight = SightMonitor::new(crate::sight::expected(config));
         let watched = Watched { film, perceiver, sight, seen: Detections::default() };
         Ok(Self::of(header, Source::Film(Box::new(watched))))
     }
@@ -244,7 +244,7 @@ impl Watched {
         let (width, height) = (format.width as usize, format.height as usize);
         let image = ImageView::new(width, height, width * 3, PixelFormat::Bgr8, self.film.picture())?;
         let seen = self.perceiver.perceive(image, pts_ns)?;
-        self.sight.step(&Look::new(&seen, 0));
+        self.sight.step(&Observation::new(&seen, 0));
         let flags = if self.sight.is_seen() { 0 } else { flag::UNSEEN };
         self.seen = Detections { source_ns: pts_ns, flags, ..Detections::default() };
         wire::detections::write(&seen, &mut self.seen);

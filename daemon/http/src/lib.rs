@@ -88,7 +88,7 @@ impl Server {
     /// Listens, in a thread that ends with this server. Port 0 takes any that is free.
     ///
     /// # Errors
-    /// What the system says: the address is taken, or is none of this machine's.
+    /// What the system says: the address is taken, or does not belong to this machine.
     pub fn bind(address: SocketAddr) -> io::Result<Self> {
         let listener = std::net::TcpListener::bind(address)?;
         listener.set_nonblocking(true)?;

@@ -19,7 +19,7 @@ fn connect(server: &Server) -> TcpStream {
 }
 
 /// Everything that comes until the server closes.
-fn rest(mut stream: TcpStream) -> String {
+fn remaining(mut stream: TcpStream) -> String {
     let mut answer = String::new();
     // A client that was cut off reads an error.
     let _ = stream.read_to_string(&mut answer);
@@ -29,7 +29,7 @@ fn rest(mut stream: TcpStream) -> String {
 fn ask(server: &Server, request: &str) -> String {
     let mut stream = connect(server);
     stream.write_all(request.as_bytes()).unwrap();
-    rest(stream)
+    remaining(stream)
 }
 
 fn answer(request: &Request) -> Response {
@@ -71,7 +71,7 @@ fn a_client_that_sends_one_byte_and_stalls_holds_up_nobody() {
         }
         // They are cut off.
         for client in stalled {
-            assert!(!rest(client).contains(" 200 "));
+            assert!(!remaining(client).contains(" 200 "));
         }
     });
 }
@@ -116,7 +116,7 @@ fn what_is_no_request_or_no_get_is_refused_and_headers_go_out() {
 fn ask_unchecked(server: &Server, request: &str) -> String {
     let mut stream = connect(server);
     let _ = stream.write_all(request.as_bytes());
-    rest(stream)
+    remaining(stream)
 }
 
 #[test]

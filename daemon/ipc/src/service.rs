@@ -16,7 +16,7 @@ use iceoryx2::service::port_factory::{event as event_factory, publish_subscribe}
 use shm_schemas::{FrameHeader, Layout};
 use std::fmt::Debug;
 
-/// Processes in one station: 7 roles, as many tools, and those that are dead and not yet removed.
+/// Processes in one station: 8 roles, tools, and those that are dead and not yet removed.
 const NODES: usize = 32;
 
 /// Ports of each kind on one event service: the readers and writers of a channel, and those that are dead and not yet

@@ -21,7 +21,7 @@ pub struct Writer<T: ChannelMessage>(Publication<T, ()>);
 pub struct Loan<T: ChannelMessage>(SampleMut<Transport, T, ()>);
 
 impl<T: ChannelMessage> Loan<T> {
-    /// Rests on the same frame as `source`, the message from which this one follows.
+    /// Depends on the same frame as `source`, the message from which this one follows.
     pub fn follow(&mut self, source: &Stamp) {
         let stamp = self.stamp_mut();
         stamp.frame_seq = source.frame_seq;

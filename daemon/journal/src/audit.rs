@@ -34,7 +34,7 @@ impl Journal {
     /// # Errors
     /// As [`Journal::record`].
     pub fn note(&mut self, utc_ns: u64, kind: AuditKind, who: &str, what: &str) -> Result<(), JournalError> {
-        // The epochs of messages are times since the boot: a time since 1970 is none of them.
+        // The epochs of messages are times since the boot, so that a time since 1970 never equals one.
         let id = MessageId { epoch: utc_ns, seq: kind.code().into() };
         self.insert_audit(utc_ns, kind.name(), (who, what), id)
     }

@@ -19,7 +19,7 @@ pub struct Query {
     pub since_utc_ns: Option<u64>,
     /// Only those of this job.
     pub job_id: Option<u32>,
-    /// Only those of this part; one that is none asks for those without.
+    /// Only those of this part; an empty id asks for those without one.
     pub part: Option<PartId>,
     /// Only anomalies and what could not be judged.
     pub nok: bool,

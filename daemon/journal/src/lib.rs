@@ -17,11 +17,11 @@ mod csv;
 mod entry;
 mod error;
 mod history;
+mod not_watching;
 mod place;
 mod retention;
 mod row;
 mod schema;
-mod watching;
 
 #[cfg(test)]
 mod tests;
@@ -37,8 +37,8 @@ pub use audit::AuditEntry;
 pub use entry::{Entry, Gap, NotWatching};
 pub use error::JournalError;
 pub use history::{History, Query};
+pub use not_watching::OpenRow;
 pub use retention::Retention;
-pub use watching::OpenRow;
 
 /// Length of the queue that fills while the disk is full or the database is locked. It is as long as the channel `verdict`, which holds
 /// some minutes of a busy bench.

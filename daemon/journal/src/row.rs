@@ -126,7 +126,7 @@ fn value<'r>(column: &Column, found: ValueRef<'r>) -> rusqlite::Result<Value<'r>
     Ok(match found {
         ValueRef::Null => Value::None,
         ValueRef::Integer(number) => Value::Whole(unsigned(number)),
-        // It was written from as many bits.
+        // It was written from the same number of bits.
         ValueRef::Real(number) => Value::Number(number as f32),
         found => {
             let text = found.as_str()?;

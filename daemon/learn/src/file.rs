@@ -1,4 +1,4 @@
-//! Files that people and other programs made: opened without waiting for what is none, and read as the text that they are.
+//! Files that people and other programs made. Opening one never waits, as it would for a pipe. Text is read whichever editor has saved it.
 
 use std::borrow::Cow;
 use std::fs::File;

@@ -34,7 +34,7 @@ enum AndonOutcome {
    */
   ANDON_OUTCOME_OK = 1,
   /**
-   * It cannot be right any more.
+   * It can no longer be right.
    */
   ANDON_OUTCOME_ANOMALY = 2,
   /**
@@ -112,7 +112,7 @@ enum AndonReason {
    */
   ANDON_REASON_TOO_FEW_FRAMES = 15,
   /**
-   * Whether its two objects touched, or one only passed the other, could not be told.
+   * It could not be told whether its two objects touched or one only passed the other.
    */
   ANDON_REASON_PASSING = 16,
   /**
@@ -142,7 +142,7 @@ enum AndonNote {
    */
   ANDON_NOTE_OTHER_HAND = 3,
   /**
-   * An unknown step, with parts of the job alone.
+   * An unknown step, with no other parts than those of the job.
    */
   ANDON_NOTE_STEP = 4,
 };
@@ -198,15 +198,15 @@ enum AndonMeasure {
    */
   ANDON_MEASURE_PATH = 4,
   /**
-   * How far its direction lies from the one that was shown, in degrees.
+   * The angle between its direction and the one that was shown, in degrees.
    */
   ANDON_MEASURE_DIRECTION = 5,
   /**
-   * How far its place lies from the one that was shown, in metres.
+   * The distance between its place and the one that was shown, in metres.
    */
   ANDON_MEASURE_PLACE = 6,
   /**
-   * The lateral deviation: how far off the straight line the way of the hand leads, in metres.
+   * The lateral deviation: the maximum distance of the hand's path from the straight line, in metres.
    */
   ANDON_MEASURE_BOW = 7,
 };
@@ -363,7 +363,7 @@ typedef struct AndonVerdict {
    */
   float threshold;
   /**
-   * What the measure is that is out of its bounds, in the unit of `measure`; NaN if none is.
+   * The value of the measure that is out of its bounds, in the unit of `measure`; NaN if none is.
    */
   float measured;
   /**

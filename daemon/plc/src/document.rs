@@ -18,6 +18,16 @@ pub fn document() -> String {
     text
 }
 
+/// Writes the table of an enum of the wire, whose values the register of this name shows.
+macro_rules! write_numbers {
+    ($out:expr, $register:literal, $enum:ty) => {{
+        writeln!($out, "\n`{}`\n\n| number | name | meaning |\n|---|---|---|", $register)?;
+        <$enum>::ALL
+            .iter()
+            .try_for_each(|it| writeln!($out, "| {} | {} | {} |", it.code(), it.name(), it.meaning()))
+    }};
+}
+
 fn write_document(out: &mut String) -> fmt::Result {
     write!(out, "{}", introduction())?;
     writeln!(out, "\n## Registers\n\n| address | name | type | access | meaning |\n|---|---|---|---|---|")?;
@@ -41,31 +51,17 @@ fn write_document(out: &mut String) -> fmt::Result {
         out,
         "\nAll other bits must be 0. A write that sets one is answered with exception 3 and changes nothing."
     )?;
-    writeln!(out, "\n## Numbers\n\n`level`\n\n| number | name | meaning |\n|---|---|---|")?;
-    for level in VerdictLevel::ALL {
-        writeln!(out, "| {} | {} | {} |", level.code(), level.name(), level.meaning())?;
-    }
-    writeln!(out, "\n`reason`\n\n| number | name | meaning |\n|---|---|---|")?;
-    for reason in VerdictReason::ALL {
-        writeln!(out, "| {} | {} | {} |", reason.code(), reason.name(), reason.meaning())?;
-    }
-    writeln!(out, "\n`note`\n\n| number | name | meaning |\n|---|---|---|")?;
-    for note in VerdictNote::ALL {
-        writeln!(out, "| {} | {} | {} |", note.code(), note.name(), note.meaning())?;
-    }
+    writeln!(out, "\n## Numbers")?;
+    write_numbers!(out, "level", VerdictLevel)?;
+    write_numbers!(out, "reason", VerdictReason)?;
+    write_numbers!(out, "note", VerdictNote)?;
     writeln!(out, "\n`measure`\n\n| number | name | meaning | unit in the registers |\n|---|---|---|---|")?;
     for measure in VerdictMeasure::ALL {
         let (number, name, unit) = (measure.code(), measure.name(), measure_scale(*measure).1);
         writeln!(out, "| {number} | {name} | {} | {unit} |", measure.meaning())?;
     }
-    writeln!(out, "\n`refusal`\n\n| number | name | meaning |\n|---|---|---|")?;
-    for refusal in Refusal::ALL {
-        writeln!(out, "| {} | {} | {} |", refusal.code(), refusal.name(), refusal.meaning())?;
-    }
-    writeln!(out, "\n`phase`\n\n| number | name | meaning |\n|---|---|---|")?;
-    for phase in JudgePhase::ALL {
-        writeln!(out, "| {} | {} | {} |", phase.code(), phase.name(), phase.meaning())?;
-    }
+    write_numbers!(out, "refusal", Refusal)?;
+    write_numbers!(out, "phase", JudgePhase)?;
     writeln!(out, "\n`error`\n\n| number | meaning and remedy |\n|---|---|")?;
     for fault in Fault::ALL {
         writeln!(out, "| {} | {} |", fault as u16, fault.meaning())?;
@@ -117,7 +113,7 @@ Generated from `daemon/plc/src/registers` by `cargo run -p andon-plc --example r
 | judge | the process that compares what is done with the job |
 | job | the recipe that is loaded, and one execution of it |
 | activity, IU | a step of the job, and one contact of a hand and a part within it |
-| nominal | taught, so that it is compared with |
+| nominal | taught: the reference that the work is compared with |
 | part, part id | the workpiece and its serial number |
 | result | a verdict that is offered: `ok` is good quality, `nok` is bad quality (an anomaly), and `not-judged` is uncertain: it is neither |
 | `ready` and not `busy`, `busy`, `error` | in PackML about Idle, Execute and Aborted |
@@ -133,13 +129,13 @@ No bit of this map is a safety function.
 3. Write that `sequence` to `acknowledge_sequence` and set `acknowledge`, in one request. `done` drops once the journal has stored the acknowledgement.
 4. Clear `acknowledge`. If another result waits, `done` rises again with a higher `sequence`.
 
-A result stays until it is acknowledged, and {QUEUE} more can wait behind it. What comes then waits in the journal and is offered in its
-turn: a controller that was away gets everything that was judged meanwhile. A result is lost only where the journal does not have it:
+A result stays until it is acknowledged, and {QUEUE} more can wait behind it. Further ones wait in the journal and are offered in their
+turn: a controller that was offline gets everything that was judged meanwhile. A result is lost only where the journal does not have it:
 `overrun` is set, `lost` counts it, and `sequence` has a gap of one.
 
 **A restart loses nothing.** The journal keeps what was acknowledged, what waits, `lost`, `overrun` and `error`. After a restart of this
-server `boot` is higher, the control block is 0, and the result that was not acknowledged is offered again
-under its old `sequence`. A client that has already taken a result of this number acknowledges it again and does not count it twice. A client
+server `boot` is higher, the control block is 0, and the result that was not acknowledged is offered again.
+It has its old `sequence`. A client that has already taken a result of this number acknowledges it again and does not count it twice. A client
 that writes in every cycle may still write its old control block after the restart, before it can know of it. That is why `acknowledge`
 names its result. An acknowledgement that names any other result than the offered one is refused, and nothing is lost.
 
@@ -175,8 +171,8 @@ write `control_set` and `control_clear` instead. A panel that resets an error se
 
 ## The part
 
-1. Before the part comes to the bench, write its id to `part` and set `set_part`, in one request. Blanks and line ends at its two ends are no part
-   of it, as scanners add them. An empty id is allowed: zeros, or nothing else than blanks and line ends.
+1. Before the part comes to the bench, write its id to `part` and set `set_part`, in one request. Blanks and line ends before and after
+   it, which scanners add, are removed. An empty id is allowed: zeros, or only blanks and line ends.
 2. Wait for `carried_out`, as for every command: then `next_part` shows the id. Clear `set_part`.
 3. The id goes with every verdict of every job that begins from then on, until another one is set. It is in `result_part`, in the journal,
    in the output of `andond tail --json` and in the struct for C.
@@ -184,8 +180,8 @@ write `control_set` and `control_clear` instead. A panel that resets an error se
 **It counts from the next job on.** A job begins with the first touch, or with `start`. It keeps the id that was in force then. An id
 that is set in the middle of a job is for the next job. So a PLC can set it while the worker is still finishing the part before.
 
-**Never the wrong one.** An id with another byte that is not printable ASCII is refused. The next job then has none instead of the one before. A judge that
-starts again is given the id before `enable`; to it, what the worker goes on with is a new job. After a restart of this server the client
+**Never the wrong one.** An id with a byte that is not printable ASCII is refused. The next job then has none instead of the one before. A judge that
+starts again is given the id before `enable`; it takes the rest of the work for a new job. After a restart of this server the client
 sets the id again, before it writes `enable`; the judge keeps the last one until then. Where nothing was ever written here, a scanner
 or a person gives the id by `andond part ID`; once `set_part` was used, that is refused.
 

@@ -77,7 +77,7 @@ pub(crate) fn format_of(capture: &VideoCapture) -> Result<PictureFormat, String>
     })
 }
 
-/// How many pictures a film has by its own account; `None` where it is none.
+/// How many pictures a film has by its own account; `None` if it gives no number.
 pub(crate) fn count_of(path: &Path) -> Option<u64> {
     let capture = VideoCapture::from_file(path, videoio::CAP_FFMPEG).ok()?;
     capture

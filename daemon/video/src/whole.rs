@@ -1,6 +1,6 @@
 //! Whether the file of a picture is whole: a decoder shows grey in place of what is missing, and says nothing.
 
-/// Whether a picture ends before it says that it is at its end. What is none of these formats is left to its decoder.
+/// Whether a picture ends before it says that it is at its end. Any other format is left to its decoder.
 pub(crate) fn is_cut(bytes: &[u8]) -> bool {
     match bytes {
         [0xff, 0xd8, rest @ ..] => !jpeg_ends(rest),

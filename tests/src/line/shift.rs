@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 /// The account, in the line's folder.
 const MEMORY: &str = "plc.memory";
-/// The newest lines of it are in as many bytes.
+/// This many bytes hold its newest lines.
 const NEWEST_BYTES: u64 = 8192;
 /// Whatever must happen sooner or later has happened by then; only a test that fails waits for so long.
 const PATIENCE: Duration = Duration::from_secs(120);

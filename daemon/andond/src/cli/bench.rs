@@ -110,8 +110,8 @@ pub struct Calibrate {
     pub config: ConfigArgs,
     /// A picture that shows the four markers, as `andond look --save` writes it
     pub picture: PathBuf,
-    /// A marker that lies on the bench: its id and the position of its centre, in metres, x to the right and y away from the worker; name
-    /// four or more
+    /// A marker that lies on the bench: its id and where its centre is, in metres. X is to the right and Y away from the worker. Name four
+    /// or more
     #[arg(long = "marker", value_name = "ID=X,Y", required = true)]
     pub markers: Vec<String>,
     /// Side of the markers' black square, in metres, as measured on the print

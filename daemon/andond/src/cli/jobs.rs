@@ -12,15 +12,15 @@ pub struct Teach {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
-    /// Correct runs of the whole job: films, folders of pictures and track files, also mixed; with --add and --without those that the
-    /// job was taught from and that are neither beside the job file nor in the current folder
+    /// Correct runs of the whole job: films, folders of pictures and track files, also mixed. With --add and --without: those of the
+    /// existing job, unless they are beside the job file or in the current folder
     #[arg(required_unless_present_any = ["add", "without", "live"])]
     pub recordings: Vec<PathBuf>,
     /// The job file to write; with --add and --without the one to change
     #[arg(short, long, value_name = "JOB.toml")]
     pub out: PathBuf,
-    /// Show the job at the bench instead: looks through the running station, or else through its camera, says what to do, and writes each
-    /// run that is kept to a track file beside the job file
+    /// Show the job at the bench instead, through the running station or else its camera. It says what to do, and writes each run that
+    /// is kept to a track file beside the job file
     #[arg(long, conflicts_with_all = ["add", "without"])]
     pub live: bool,
     /// How many runs to show with --live
@@ -32,8 +32,8 @@ pub struct Teach {
     /// The name of a recording that the existing job should no longer be taught from; can be repeated
     #[arg(long, value_name = "NAME")]
     pub without: Vec<String>,
-    /// How strict the job is, 1 to 5: at 1 its measures accuse one right job in 133, then one in 67, 33 and 17, at 5 one in 8, and less
-    /// evidence makes the order of two steps a law. Up to 3 a rule gives way to one run that contradicts it, at 4 to two runs, at 5 to none
+    /// How strict the job is, 1 to 5. Its measures accuse one right job in 133, 67, 33, 17 or 8. The stricter it is, the less evidence
+    /// makes the order of two steps a law. Up to 3 a rule gives way to one run that contradicts it, at 4 to two, at 5 to none
     /// [default: 3, or that of the job]
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=5))]
     pub strictness: Option<u8>,
@@ -43,8 +43,8 @@ pub struct Teach {
     /// Draw the steps of the job and their order into this file
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
-    /// The number by which a PLC selects the job [default: that of the job if it is taught again, else the smallest that no other job
-    /// beside it or of the station has]
+    /// The number by which a PLC selects the job [default: its own if it is taught again, else the smallest free one of the station and
+    /// of the jobs beside it]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub id: Option<u32>,
     /// Name of the job [default: that of the job if it is taught again, else the name of the job file]
@@ -56,8 +56,8 @@ pub struct Teach {
     /// How motions are compared [default: circular, or that of the job]
     #[arg(long, value_enum)]
     pub cost: Option<Cost>,
-    /// Whether the steps must come in the order in which most runs have them, or may come in any [default: what all runs show is law where
-    /// the evidence is enough]
+    /// Whether the steps must come in the order that most runs have, or may come in any [default: what all runs show is law, with enough
+    /// evidence]
     #[arg(long, value_name = "true|false")]
     pub order: Option<bool>,
     /// Write the job even if the report says that the runs cannot be trusted, and replace existing files

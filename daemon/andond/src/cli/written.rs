@@ -115,3 +115,33 @@ fn the_first_page_names_what_continuous_integration_runs() {
         assert!(code(&text).any(|shown| shown == command), "{command}");
     }
 }
+
+/// Every source file of the repository.
+fn sources(folder: &Path, found: &mut Vec<String>) {
+    for entry in std::fs::read_dir(folder).unwrap().flatten() {
+        match entry.path() {
+            path if path.is_dir() && !path.ends_with("target") => sources(&path, found),
+            path => found.push(path.to_string_lossy().into_owned()),
+        }
+    }
+}
+
+/// The page of the architecture named a file that had got another name.
+#[test]
+fn each_source_file_that_a_page_names_is_there() {
+    let mut found = Vec::new();
+    ["daemon", "shm-schemas", "tests"].iter().for_each(|folder| sources(&root().join(folder), &mut found));
+    for page in ["daemon/README.md", ".github/CONTRIBUTING.md"] {
+        let text = text_of(page);
+        let is_of_name = |letter: char| letter.is_ascii_alphanumeric() || "_-./".contains(letter);
+        let words = text.split(|letter: char| !is_of_name(letter));
+        // What is named in general, such as NAME.rs, and several at once, such as {one,other}.rs, is left out.
+        let is_file = |word: &&str| word.ends_with(".rs") && !word.starts_with('.') && !word.contains("NAME");
+        let named: Vec<&str> = words.filter(is_file).collect();
+        assert!(named.len() > 9, "{page}: {named:?}");
+        for file in named {
+            let end = format!("/{file}");
+            assert!(found.iter().any(|path| path.ends_with(&end)), "{page}: {file}");
+        }
+    }
+}

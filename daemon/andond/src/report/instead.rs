@@ -1,4 +1,4 @@
-//! A step that is none of the job, and the step that was missed for it.
+//! A step that is not part of the job, and the step that was missed for it.
 //!
 //! While it is done nobody knows what it is for; once the step that was next is missed, what was taken was taken instead.
 

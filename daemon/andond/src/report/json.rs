@@ -15,7 +15,7 @@ fn seconds(ns: u64) -> f64 {
     ns as f64 / 1e9
 }
 
-/// A distance as JSON can carry it: no number where there is none.
+/// A distance for JSON: null if it is not finite, because JSON has no NaN.
 fn number(value: Option<f32>) -> Option<f64> {
     // Through the shortest decimal, so that 0.1 does not read 0.10000000149.
     value.filter(|value| value.is_finite()).and_then(|value| value.to_string().parse().ok())

@@ -3,6 +3,7 @@
 mod instead;
 mod json;
 mod names;
+mod not_watching;
 mod pair;
 pub mod plot;
 #[cfg(test)]
@@ -10,13 +11,12 @@ pub(crate) mod sample;
 mod teller;
 #[cfg(test)]
 mod tests;
-mod watch;
 mod words;
 
 pub use json::{EventLine, VerdictLine};
 pub use names::{Names, Step};
-pub use teller::{Cause, Line, Teller};
-pub(crate) use watch::WatchLine;
+pub(crate) use not_watching::NotWatchingLine;
+pub use teller::{Cause, Teller, TextLine};
 pub use words::{has_contact, is_instead, outcome_word, verdict_sentence};
 
 /// The time of a verdict on a recording, in a column.

@@ -15,7 +15,7 @@ pub struct Teller {
     faults: Vec<Fault>,
     /// The steps that have come, right or wrong.
     done: Vec<u16>,
-    /// The first step that is none of the job.
+    /// The first step that is not part of the job.
     instead: Option<Instead>,
     /// The fault that the last line is about.
     last: Option<usize>,
@@ -46,14 +46,14 @@ pub struct Cause {
 
 /// One line of text, and how it looks on a terminal.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Line {
+pub struct TextLine {
     /// The text; it begins with the time.
     pub text: String,
     /// Its colour, if it has one.
     pub style: Style,
 }
 
-impl Line {
+impl TextLine {
     /// Writes the line in its colour; a stream that shows none takes that away.
     ///
     /// # Errors
@@ -66,7 +66,7 @@ impl Line {
 
 impl Teller {
     /// The line of the next verdict. `when` is its time as people read it there: of the day on a running line, in seconds on a recording.
-    pub fn tell(&mut self, when: &str, verdict: &Verdict, names: &Names) -> Line {
+    pub fn tell(&mut self, when: &str, verdict: &Verdict, names: &Names) -> TextLine {
         let cause = self.faults.iter().position(|fault| follows(verdict, &fault.verdict));
         let fault = cause.map(|index| &self.faults[index]);
         // A job has a time of its own, unless it ends with its fault.
@@ -102,7 +102,7 @@ impl Teller {
         if verdict.level == Level::Job {
             *self = Self::default();
         }
-        Line { text, style: style(verdict) }
+        TextLine { text, style: style(verdict) }
     }
 
     /// What the next verdict is about; `None` of one that is right. It is to be asked before the verdict is told.
@@ -127,7 +127,7 @@ impl Teller {
         }
     }
 
-    /// Which step would have been next, where one came that is none of the job.
+    /// Which step would have been next, where one came that is not part of the job.
     fn next(&self, verdict: &Verdict, names: &Names) -> Option<u16> {
         let is_other = verdict.note == Some(Note::Step) && verdict.level == Level::Activity;
         (0..names.steps().len() as u16).find(|step| is_other && !self.done.contains(step))

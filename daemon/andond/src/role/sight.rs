@@ -4,7 +4,7 @@ use andon_host::config::Config;
 use andon_host::log::{Remedy, code, log};
 use andon_host::role::Liveness;
 use andon_perception::Detections;
-use andon_perception::sight::{Expected, Look, Rates, Spell, Trouble};
+use andon_perception::sight::{Expected, Observation, Rates, Spell, Trouble};
 use shm_schemas::{FrameHeader, Judging, Sight};
 
 use crate::sight;
@@ -12,7 +12,7 @@ use crate::sight;
 /// Follows what `perceive` sees.
 pub(super) struct SightWatch {
     expected: Expected,
-    sight: andon_perception::sight::Sight,
+    sight: andon_perception::sight::SightMonitor,
     /// The pictures per second that the job in force needs.
     needed_hz: Option<f32>,
     newest: Option<Spell>,
@@ -23,13 +23,13 @@ impl SightWatch {
     pub(super) fn new(config: &Config) -> Self {
         let rate_hz = config.camera.source.is_live().then_some(config.camera.rate_hz);
         let expected = Expected { rate_hz, ..sight::expected(config) };
-        let sight = andon_perception::sight::Sight::new(expected);
+        let sight = andon_perception::sight::SightMonitor::new(expected);
         Self { expected, sight, needed_hz: None, newest: None, has_looked: false }
     }
 
     /// Begins with another source: nothing that was seen before holds.
     pub(super) fn begin(&mut self) {
-        self.sight = andon_perception::sight::Sight::new(self.expected);
+        self.sight = andon_perception::sight::SightMonitor::new(self.expected);
         self.sight.set_needed_hz(self.needed_hz);
         (self.newest, self.has_looked) = (None, false);
     }
@@ -48,7 +48,7 @@ impl SightWatch {
         dropped: u32,
         liveness: &mut Liveness,
     ) -> bool {
-        let spell = self.sight.step(&Look::new(seen, dropped));
+        let spell = self.sight.step(&Observation::new(seen, dropped));
         if spell != self.newest || !self.has_looked {
             // The frame was captured when both clocks showed this.
             let monotonic_ns =

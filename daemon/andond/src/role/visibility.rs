@@ -127,14 +127,14 @@ impl Visibility {
     fn changes(&mut self, frame: &Frame, couples: &[Couples]) -> Vec<Change> {
         let now = SourceTime::from_nanoseconds(frame.captured_ns);
         let watched = now.since(*self.began.get_or_insert(now));
-        let look = Look { now, watched, blind: self.blind, frame, couples };
-        let objects = self.objects.iter_mut().filter_map(|object| object.change(&look));
-        objects.chain(self.hands.iter_mut().filter_map(|hand| hand.change(&look))).collect()
+        let newest = Newest { now, watched, blind: self.blind, frame, couples };
+        let objects = self.objects.iter_mut().filter_map(|object| object.change(&newest));
+        objects.chain(self.hands.iter_mut().filter_map(|hand| hand.change(&newest))).collect()
     }
 }
 
 /// What there is to see at one time.
-struct Look<'a> {
+struct Newest<'a> {
     now: SourceTime,
     /// Since the first frame.
     watched: Duration,
@@ -143,7 +143,7 @@ struct Look<'a> {
     couples: &'a [Couples],
 }
 
-impl Look<'_> {
+impl Newest<'_> {
     /// Whether a hand works with the object.
     fn is_touched(&self, object: u16) -> bool {
         let has = |couple: &Couple| couple.context.0[1] == object || couple.context.0[3] == object;
@@ -152,18 +152,18 @@ impl Look<'_> {
 }
 
 impl Object {
-    fn change(&mut self, look: &Look<'_>) -> Option<Change> {
+    fn change(&mut self, newest: &Newest<'_>) -> Option<Change> {
         let object = self.id;
-        if look.frame.objects.iter().any(|seen| seen.id == object) {
-            self.seen.time = Some(look.now);
+        if newest.frame.objects.iter().any(|seen| seen.id == object) {
+            self.seen.time = Some(newest.now);
         }
         if self.seen.time.is_none() {
-            let is_missed = look.watched > UNUSED && self.seen.becomes_missed();
+            let is_missed = newest.watched > UNUSED && self.seen.becomes_missed();
             return is_missed.then_some(Change::MarkerNeverSeen { object });
         }
-        let hidden = self.seen.hidden(look.now);
-        let is_missed = hidden > UNUSED || hidden > look.blind && look.is_touched(object);
-        if self.seen.is_back(look.now) {
+        let hidden = self.seen.hidden(newest.now);
+        let is_missed = hidden > UNUSED || hidden > newest.blind && newest.is_touched(object);
+        if self.seen.is_back(newest.now) {
             Some(Change::MarkerBack { object })
         } else {
             (is_missed && self.seen.becomes_missed()).then_some(Change::MarkerCovered { object, hidden })
@@ -172,19 +172,19 @@ impl Object {
 }
 
 impl Hand {
-    fn change(&mut self, look: &Look<'_>) -> Option<Change> {
+    fn change(&mut self, newest: &Newest<'_>) -> Option<Change> {
         let side = self.side;
-        if look.frame.hands.iter().any(|hand| hand.side == side) {
-            self.seen.time = Some(look.now);
+        if newest.frame.hands.iter().any(|hand| hand.side == side) {
+            self.seen.time = Some(newest.now);
         }
-        let mut own = look.couples.iter().map(|couples| &couples.hands[side.index()]);
+        let mut own = newest.couples.iter().map(|couples| &couples.hands[side.index()]);
         if let Some(couple) = own.rfind(|couple| couple.is_hand_seen()) {
             self.touched = touched(couple.context);
         }
-        if self.seen.is_back(look.now) {
+        if self.seen.is_back(newest.now) {
             return Some(Change::HandBack { side });
         }
-        let touched = self.touched.filter(|_| self.seen.hidden(look.now) > look.blind)?;
+        let touched = self.touched.filter(|_| self.seen.hidden(newest.now) > newest.blind)?;
         self.seen.becomes_missed().then_some(Change::HandLeft { side, touched })
     }
 }

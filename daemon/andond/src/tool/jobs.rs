@@ -39,14 +39,15 @@ pub fn run(arguments: &Jobs) -> Result<Code, ToolError> {
         (None, None) => FoundJobs::default(),
     };
     let users = config.as_ref().map(Users::of).unwrap_or_default();
-    let lines: Vec<Line<'_>> = jobs.jobs.iter().map(|job| Line::new(job, config.as_ref(), &users)).collect();
+    let rows: Vec<JobRow<'_>> =
+        jobs.jobs.iter().map(|job| JobRow::new(job, config.as_ref(), &users)).collect();
     let mut out = std::io::stdout().lock();
-    let printed = if arguments.json { print_json(&lines, &mut out) } else { print_table(&lines, &mut out) };
+    let printed = if arguments.json { print_json(&rows, &mut out) } else { print_table(&rows, &mut out) };
     printed.map_err(ToolError::Print)?;
     for fault in &jobs.faults {
         eprintln!("{fault}");
     }
-    if let Some(config) = config.filter(|_| lines.is_empty() && arguments.folder.is_none()) {
+    if let Some(config) = config.filter(|_| rows.is_empty() && arguments.folder.is_none()) {
         let folder = config.station.jobs.display();
         eprintln!("the station has no job yet: write one there with `andond teach --out {folder}/NAME.toml`");
     }
@@ -171,7 +172,7 @@ fn judging(config: &Config) -> Option<Judging> {
 
 /// A job as it is listed. The names are an interface: programs outside read them.
 #[derive(Serialize)]
-struct Line<'a> {
+struct JobRow<'a> {
     id: u32,
     name: &'a str,
     /// The hash of its file, 16 hexadecimal digits.
@@ -190,7 +191,7 @@ struct Line<'a> {
     misfit: Option<String>,
 }
 
-impl<'a> Line<'a> {
+impl<'a> JobRow<'a> {
     fn new(job: &'a FoundJob, config: Option<&Config>, users: &'a Users) -> Self {
         let file = &job.file;
         // Without objects there is no bench that a job could fit.
@@ -223,35 +224,35 @@ impl<'a> Line<'a> {
     }
 }
 
-fn print_json(lines: &[Line<'_>], out: &mut impl Write) -> std::io::Result<()> {
-    for line in lines {
-        serde_json::to_writer(&mut *out, line)?;
+fn print_json(rows: &[JobRow<'_>], out: &mut impl Write) -> std::io::Result<()> {
+    for row in rows {
+        serde_json::to_writer(&mut *out, row)?;
         writeln!(out)?;
     }
     Ok(())
 }
 
-fn print_table(lines: &[Line<'_>], out: &mut impl Write) -> std::io::Result<()> {
-    let name = lines.iter().map(|line| line.name.chars().count()).max().unwrap_or(0).max("name".len());
-    let path = |line: &Line<'_>| line.file.display().to_string();
-    let file = lines.iter().map(|line| path(line).chars().count()).max().unwrap_or(0).max("file".len());
+fn print_table(rows: &[JobRow<'_>], out: &mut impl Write) -> std::io::Result<()> {
+    let name = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0).max("name".len());
+    let path = |row: &JobRow<'_>| row.file.display().to_string();
+    let file = rows.iter().map(|row| path(row).chars().count()).max().unwrap_or(0).max("file".len());
     writeln!(
         out,
         "number  {:name$}  hash              taught      runs  steps  {:file$}  used",
         "name", "file"
     )?;
-    for line in lines {
+    for row in rows {
         writeln!(
             out,
             "{:>6}  {:name$}  {}  {:10}  {:>4}  {:>5}  {:file$}  {}",
-            line.id,
-            line.name,
-            line.hash,
-            line.date,
-            line.runs,
-            line.steps,
-            path(line),
-            line.used()
+            row.id,
+            row.name,
+            row.hash,
+            row.date,
+            row.runs,
+            row.steps,
+            path(row),
+            row.used()
         )?;
     }
     Ok(())

@@ -15,7 +15,7 @@ pub mod idle;
 mod job;
 pub mod jobs;
 mod join;
-mod known;
+mod known_jobs;
 mod labelled;
 pub mod look;
 pub mod markers;

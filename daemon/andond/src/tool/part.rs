@@ -11,7 +11,7 @@ use crate::cli::Part;
 /// Runs the command; it ends when the judge has the id.
 ///
 /// # Errors
-/// An id that is none, a station that cannot be joined, and a judge that refuses or does not answer.
+/// An invalid id, a station that cannot be joined, and a judge that refuses or does not answer.
 pub fn run(arguments: &Part) -> Result<Code, ToolError> {
     let part = part_id("ID", &arguments.id)?;
     let node = join(&load_config(&arguments.config)?)?;

@@ -58,7 +58,7 @@ fn refuse_while_it_runs(archive: &Archive) -> Result<(), ToolError> {
     }
 }
 
-/// Puts all files in their places, or none where one cannot be written: half of a station is none.
+/// Puts all files in their places, or none if one cannot be written: half a station is of no use.
 fn put_all(archive: &Archive, place: impl Fn(&Entry) -> PathBuf) -> Result<(), ToolError> {
     let (mut parts, mut made) = (Vec::new(), Folders::default());
     for (entry, bytes) in archive.files() {

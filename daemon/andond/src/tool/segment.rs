@@ -17,7 +17,7 @@ use super::{ToolError, cannot_write, check_writable, each_frame, job, load_confi
 use crate::cli::Segment;
 use crate::compatibility;
 use crate::recording::Recording;
-use crate::report::plot::{self, Band, Seen, Timeline};
+use crate::report::plot::{self, Band, RecordedVisibility, Timeline};
 use crate::report::{EventLine, Names};
 
 /// Runs the command.
@@ -55,7 +55,7 @@ pub fn run(arguments: &Segment) -> Result<Code, ToolError> {
 
 #[derive(Default)]
 struct Segmented {
-    seen: Seen,
+    seen: RecordedVisibility,
     couples: Vec<Couple>,
     lines: Vec<EventLine>,
     /// The rate of the grid, in Hz, how many frames it has, and how many of them came.
@@ -102,7 +102,7 @@ fn segment(
     let mut segmenter = JobSegmenter::new(&method)?;
     let parts = shapes.iter().map(|shape| shape.id);
     let blind_ns = u64::from(method.blind_ms) * 1_000_000;
-    let mut seen = Seen::new(&recording.header().hands, parts, method.period_ns(), blind_ns);
+    let mut seen = RecordedVisibility::new(&recording.header().hands, parts, method.period_ns(), blind_ns);
     let mut segmented = Segmented { grid_hz: method.rate_hz, ..Segmented::default() };
     let mut handless = Vec::new();
     let mut take = |couples: andon_core::couple::Couples| {

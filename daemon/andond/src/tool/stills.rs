@@ -11,7 +11,7 @@ use crate::video::StillEncoder;
 /// Checks before the work that a picture can be written to this path.
 ///
 /// # Errors
-/// An ending that is none of a picture, and what the system says.
+/// An ending that belongs to no picture format, and what the system says.
 pub(super) fn check(option: &'static str, path: &Path) -> Result<(), ToolError> {
     if ending(path).is_none() {
         let given = path.display().to_string();

@@ -12,11 +12,11 @@ use shm_schemas::{Health, RoleId, Verdict as Message};
 
 use super::clock::Clock;
 use super::join::join;
-use super::known::KnownJobs;
+use super::known_jobs::KnownJobs;
 use super::{ToolError, running_config};
 use crate::cli::{self, Tail};
 use crate::outage::{Outage, Outages};
-use crate::report::{Teller, VerdictLine, WatchLine};
+use crate::report::{NotWatchingLine, Teller, VerdictLine};
 use crate::sight::{self, SightChange, SightChanges};
 use crate::wire;
 
@@ -106,7 +106,7 @@ impl Printer<'_> {
     /// Says once when the line stops seeing its bench, and once when it sees it again: for people beside the verdicts, for programs between them.
     fn tell_sight(&self, change: SightChange) -> std::io::Result<()> {
         if self.arguments.json {
-            return print_json(&WatchLine::of_sight(change, UtcTime::now()));
+            return print_json(&NotWatchingLine::of_sight(change, UtcTime::now()));
         }
         let now = self.clock.time_of(MonotonicTime::now());
         match change.now.and_then(sight::code) {
@@ -119,7 +119,7 @@ impl Printer<'_> {
     /// Says when a role is down, and when it is back: from when to when nobody watched.
     fn tell_outage(&self, outage: &Outage) -> std::io::Result<()> {
         if self.arguments.json {
-            return print_json(&WatchLine::of_outage(outage));
+            return print_json(&NotWatchingLine::of_outage(outage));
         }
         let role = outage.role.name();
         let is_beside = matches!(outage.role, RoleId::Steward | RoleId::Journal | RoleId::Plc);

@@ -87,7 +87,7 @@ pub fn read(message: &Message) -> Result<Command, UnknownCommand> {
         CommandKind::Start => Command::Start,
         CommandKind::Abort => Command::Abort,
         CommandKind::SetPart => {
-            // What is no id is none: never that of the part before.
+            // An invalid id counts as no id, never as that of the part before.
             Command::SetPart {
                 part: PartId::new(message.part.bytes()).unwrap_or(PartId::NONE),
                 source: source()?,

@@ -21,7 +21,7 @@ pub(crate) struct Evidence {
 
 impl Evidence {
     /// Takes in one look: the probability that it is a right hand.
-    pub(crate) fn look(&mut self, right: f32) {
+    pub(crate) fn take(&mut self, right: f32) {
         let odds = (right / (1.0 - right)).ln().clamp(-MAX_PER_LOOK, MAX_PER_LOOK);
         // The infinite odds of a probability of exactly 0 or 1 are clamped; NaN is no evidence.
         if !odds.is_nan() {

@@ -199,7 +199,7 @@ fn a_lost_hand_is_looked_for_in_the_same_frame() {
 }
 
 #[test]
-fn an_empty_bench_is_searched_on_every_frame_until_it_rests_and_then_on_every_tenth() {
+fn an_empty_bench_is_searched_on_every_frame_until_it_is_known_to_be_empty_and_then_on_every_tenth() {
     let mut bench = Bench::wanting(&[Side::Right]);
     for _ in 0..50 {
         assert!(bench.frame(&[]).is_empty());
@@ -229,7 +229,7 @@ fn a_bench_whose_picture_goes_on_changing_is_searched_on_every_frame() {
 }
 
 #[test]
-fn a_hand_that_comes_back_to_a_bench_that_rested_ends_its_rest() {
+fn a_hand_that_comes_back_to_an_empty_bench_is_found_at_once() {
     let mut bench = Bench::wanting(&[Side::Right]);
     for _ in 0..20 {
         bench.frame(&[]);

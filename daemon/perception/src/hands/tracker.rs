@@ -1,10 +1,10 @@
 //! Follows hands from frame to frame.
 
-use super::look::Look;
+use super::empty_bench::EmptyBench;
+use super::landmarker::Landmarker;
 use super::models::{LandmarkModel, Landmarks, PalmModel};
 use super::palm::Palms;
 use super::region::Region;
-use super::rest::Rest;
 use super::side::Evidence;
 use crate::config::HandsConfig;
 use crate::detections::{HANDS, LANDMARKS, Side, Timings};
@@ -53,13 +53,13 @@ struct Lost {
 pub(crate) struct Tracker<P, L> {
     palms: P,
     /// The first hand that is followed, and the second one where there are two to look with.
-    looks: Vec<Look<L>, HANDS>,
+    landmarkers: Vec<Landmarker<L>, HANDS>,
     config: HandsConfig,
     tracks: Vec<Track, HANDS>,
     lost: Vec<Lost, HANDS>,
     previous_ns: Option<u64>,
     frames_since_search: u32,
-    rest: Rest,
+    empty_bench: EmptyBench,
     /// Whether a search has begun beside the followed hands. The next frame takes what it has found, and waits for it where it must. The same frames
     /// give the same hands however fast the machine is.
     is_searching: bool,
@@ -68,16 +68,17 @@ pub(crate) struct Tracker<P, L> {
 impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
     /// `landmarks` is one model for each hand that is looked at side by side with another; there is at least one.
     pub(crate) fn new(palms: P, landmarks: Vec<L, HANDS>, config: HandsConfig) -> Self {
-        let looks = landmarks.into_iter().map(|model| Look::new(model, config.min_hand_score)).collect();
+        let landmarkers =
+            landmarks.into_iter().map(|model| Landmarker::new(model, config.min_hand_score)).collect();
         Self {
             palms,
-            looks,
+            landmarkers,
             config,
             tracks: Vec::new(),
             lost: Vec::new(),
             previous_ns: None,
             frames_since_search: 0,
-            rest: Rest::default(),
+            empty_bench: EmptyBench::default(),
             is_searching: false,
         }
     }
@@ -108,9 +109,9 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
             self.search_where_one_is_missing(image, followed, timings)?;
         }
         if !self.tracks.is_empty() {
-            self.rest.end();
+            self.empty_bench.has_hand();
         }
-        timings.landmarks_ns += self.looks.iter_mut().map(Look::spent_ns).sum::<u64>();
+        timings.landmarks_ns += self.landmarkers.iter_mut().map(Landmarker::spent_ns).sum::<u64>();
         match self.tracks.as_mut_slice() {
             [first, second] => first.evidence.settle_pair(&mut second.evidence),
             tracks => tracks.iter_mut().for_each(|track| track.evidence.settle()),
@@ -150,16 +151,19 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
         workers: &Workers,
     ) -> Result<(), PerceptionError> {
         let tracks = std::mem::take(&mut self.tracks);
-        let follow = |look: &mut Look<L>, track: &Track| look.follow(image, track.region, track.evidence);
+        let follow = |landmarker: &mut Landmarker<L>, track: &Track| {
+            landmarker.follow(image, track.region, track.evidence)
+        };
         let mut seen: Vec<Landmarks, HANDS> = Vec::new();
-        match (tracks.as_slice(), self.looks.as_mut_slice()) {
-            ([one, other], [look, other_look]) => {
-                let (one, other) = workers.join(|| follow(look, one), || follow(other_look, other));
+        match (tracks.as_slice(), self.landmarkers.as_mut_slice()) {
+            ([one, other], [landmarker, other_landmarker]) => {
+                let (one, other) =
+                    workers.join(|| follow(landmarker, one), || follow(other_landmarker, other));
                 seen.extend([one?, other?]);
             }
-            (tracks, [look, ..]) => {
+            (tracks, [landmarker, ..]) => {
                 for track in tracks {
-                    seen.extend([follow(look, track)?]);
+                    seen.extend([follow(landmarker, track)?]);
                 }
             }
             (_, []) => {}
@@ -177,7 +181,7 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
     }
 
     /// Searches while nothing is followed, and beside what is followed otherwise: a hand that is missing does not hold up the other one. A
-    /// bench that rests is searched now and then, and at once when anything in its picture changes.
+    /// bench that is empty and unchanged is searched now and then, and at once when anything in its picture changes.
     fn search_where_one_is_missing(
         &mut self,
         image: &ImageView<'_>,
@@ -195,7 +199,11 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
         }
         if self.tracks.is_empty() {
             let is_due = self.frames_since_search >= self.config.search_every_frames;
-            return if !is_due && self.rest.lasts(image) { Ok(()) } else { self.search(image, timings) };
+            return if !is_due && self.empty_bench.is_unchanged(image) {
+                Ok(())
+            } else {
+                self.search(image, timings)
+            };
         }
         self.frames_since_search = 0;
         self.is_searching = true;
@@ -226,7 +234,7 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
         timings.palm_ns += begin.elapsed().as_nanos() as u64;
         self.look_at(image, &palms)?;
         if self.tracks.is_empty() {
-            self.rest.found_nothing(image);
+            self.empty_bench.found_nothing(image);
         }
         Ok(())
     }
@@ -240,22 +248,22 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
         let taken = |tracks: &[Track], region: &Region| {
             tracks.iter().any(|track| track.region.overlap(region) > SAME_HAND)
         };
-        let Some(look) = self.looks.first_mut() else { return Ok(()) };
+        let Some(landmarker) = self.landmarkers.first_mut() else { return Ok(()) };
         if self.tracks.is_full() || taken(&self.tracks, &region) {
             return Ok(());
         }
-        let seen = look.at(image, region)?;
+        let seen = landmarker.at(image, region)?;
         let next = Region::of_landmarks(&seen.points_px);
         if seen.presence >= self.config.min_hand_score && !taken(&self.tracks, &next) {
             let evidence = recall(&mut self.lost, &next);
-            let seen = look.nearer(image, region, evidence, seen)?;
+            let seen = landmarker.nearer(image, region, evidence, seen)?;
             self.keep(evidence, Region::of_landmarks(&seen.points_px), &seen);
         }
         Ok(())
     }
 
     fn keep(&mut self, mut evidence: Evidence, region: Region, seen: &Landmarks) {
-        evidence.look(seen.right);
+        evidence.take(seen.right);
         let track = Track { region, evidence, seen: *seen };
         // There is room: `look` has checked, and `follow` keeps no more than it took.
         let _ = self.tracks.push(track);

@@ -8,7 +8,7 @@
 //! The fault clears when the markers lie where they lay before. Without a calibration it also clears after ten seconds, because every scale
 //! then comes from the picture itself. With one, nothing in the picture says that the calibration is right again.
 
-use super::look::{Corners, Look, SeenMarker, centre, distance, side};
+use super::observation::{Corners, Observation, SeenMarker, centre, distance, side};
 use std::vec::Vec;
 
 /// Nanoseconds of a second.
@@ -105,12 +105,12 @@ impl Camera {
         self.may_be_moved
     }
 
-    pub(super) fn step(&mut self, look: &Look) {
-        let now_ns = look.at_ns;
+    pub(super) fn step(&mut self, observation: &Observation) {
+        let now_ns = observation.at_ns;
         let age_s = |from_ns: u64| now_ns.saturating_sub(from_ns) as f32 / S;
         self.moves.retain(|moved| age_s(moved.arrived_ns) <= FORGET_S);
-        self.note_hands(look);
-        for marker in &look.markers {
+        self.note_hands(observation);
+        for marker in &observation.markers {
             let moved = self.see(marker, now_ns);
             if let Some(moved) = moved {
                 self.moves.retain(|other| other.id != moved.id);
@@ -121,7 +121,8 @@ impl Camera {
             self.moves.clear();
             self.take(shifted);
         }
-        let under_way: Vec<Move> = look.markers.iter().filter_map(|marker| self.under_way(marker)).collect();
+        let under_way: Vec<Move> =
+            observation.markers.iter().filter_map(|marker| self.under_way(marker)).collect();
         self.may_be_moved = self.shift(&under_way, |moved| moved.left_ns).is_some();
         let has_settled =
             |moved: &Moved| !self.is_calibrated && age_s(moved.since_ns) > SETTLED_S || self.is_back(moved);
@@ -130,12 +131,12 @@ impl Camera {
         }
     }
 
-    fn note_hands(&mut self, look: &Look) {
+    fn note_hands(&mut self, observation: &Observation) {
         for place in &mut self.places {
             let (centre, side) = (centre(&place.at), side(&place.at));
             let is_near = |point: &[f32; 2]| distance(*point, centre) < REACH * side;
-            if look.hands_px.iter().flatten().any(is_near) {
-                place.handled_ns = look.at_ns;
+            if observation.hands_px.iter().flatten().any(is_near) {
+                place.handled_ns = observation.at_ns;
             }
         }
     }

@@ -1,7 +1,7 @@
-//! The state machine on scripted looks; what real pictures measure is in the measurement `perception_accuracy sight`.
+//! The state machine on scripted observations; what real pictures measure is in the measurement `perception_accuracy sight`.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use super::{Expected, Look, Rates, SeenMarker, Sight, Spell, Trouble};
+use super::{Expected, Observation, Rates, SeenMarker, SightMonitor, Spell, Trouble};
 use crate::picture::{CELLS, Picture};
 
 mod camera;
@@ -10,7 +10,7 @@ const FRAME_NS: u64 = 33_333_333;
 
 /// A camera whose pictures are scripted.
 struct Bench {
-    sight: Sight,
+    sight: SightMonitor,
     now_ns: u64,
     number: u64,
 }
@@ -23,7 +23,7 @@ fn marker(id: u16, [x, y]: [f32; 2]) -> SeenMarker {
 }
 
 /// A good picture of a bench with two parts and a hand.
-fn good() -> Look {
+fn good() -> Observation {
     let picture = Picture {
         noise: 2.0,
         edges: 0.05,
@@ -34,22 +34,22 @@ fn good() -> Look {
     };
     let markers = [marker(5, [90.0, 90.0]), marker(6, [270.0, 90.0])].into_iter().collect();
     let hands_px = Default::default();
-    Look { at_ns: 0, dropped: 0, picture, markers, foreign_markers: 0, hands: 1, hands_px }
+    Observation { at_ns: 0, dropped: 0, picture, markers, foreign_markers: 0, hands: 1, hands_px }
 }
 
 /// Nothing is found, and the picture measures this.
-fn blind(change: impl Fn(&mut Picture)) -> Look {
-    let mut look = good();
-    look.markers.clear();
-    look.hands = 0;
-    change(&mut look.picture);
-    look
+fn blind(change: impl Fn(&mut Picture)) -> Observation {
+    let mut observation = good();
+    observation.markers.clear();
+    observation.hands = 0;
+    change(&mut observation.picture);
+    observation
 }
 
 impl Bench {
     fn new() -> Self {
         Self {
-            sight: Sight::new(Expected { rate_hz: None, hands: true, is_calibrated: false }),
+            sight: SightMonitor::new(Expected { rate_hz: None, hands: true, is_calibrated: false }),
             now_ns: 0,
             number: 0,
         }
@@ -63,17 +63,21 @@ impl Bench {
     }
 
     /// Shows these for some seconds, each with a noise of its own. Gives what was said when, in seconds since then.
-    fn show(&mut self, seconds: f32, look: impl Fn(u64) -> Look) -> Vec<(Option<Trouble>, f32)> {
+    fn show(
+        &mut self,
+        seconds: f32,
+        observation: impl Fn(u64) -> Observation,
+    ) -> Vec<(Option<Trouble>, f32)> {
         let begin_ns = self.now_ns;
         let mut said = Vec::new();
         let mut newest = self.sight_now();
         while ((self.now_ns - begin_ns) as f32) < seconds * 1e9 {
             self.now_ns += FRAME_NS;
             self.number += 1;
-            let mut look = look(self.number);
-            look.at_ns = self.now_ns;
-            look.picture.fingerprint = look.picture.fingerprint.wrapping_add(self.number);
-            let spell = self.sight.step(&look).map(|spell| spell.trouble);
+            let mut observation = observation(self.number);
+            observation.at_ns = self.now_ns;
+            observation.picture.fingerprint = observation.picture.fingerprint.wrapping_add(self.number);
+            let spell = self.sight.step(&observation).map(|spell| spell.trouble);
             if spell != newest {
                 said.push((spell, (self.now_ns - begin_ns) as f32 / 1e9));
                 newest = spell;
@@ -88,11 +92,11 @@ impl Bench {
 
     /// Shows this for some seconds and then what is good again: the trouble is said once, within two seconds, and so is its end. From the first
     /// pictures on, long before it is said, and until it is over, nothing is seen that it hides.
-    fn says(mut self, trouble: Trouble, look: impl Fn(u64) -> Look) {
+    fn says(mut self, trouble: Trouble, observation: impl Fn(u64) -> Observation) {
         assert!(self.sight.is_seen());
-        assert_eq!(self.show(0.05, &look), []);
+        assert_eq!(self.show(0.05, &observation), []);
         assert_eq!(self.sight.is_seen(), !trouble.hides_bench(), "{trouble:?} in its second picture");
-        let said = self.show(6.0, look);
+        let said = self.show(6.0, observation);
         assert_eq!(self.sight.is_seen(), !trouble.hides_bench(), "{trouble:?}");
         let [(first, after_s)] = said[..] else { panic!("{trouble:?}: {said:?}") };
         assert_eq!(first, Some(trouble));
@@ -132,9 +136,9 @@ fn a_picture_that_shows_nothing_is_said_once_and_so_is_its_return() {
 #[test]
 fn the_same_picture_again_and_again_is_said_and_the_same_scene_is_not() {
     let frozen = |number: u64| {
-        let mut look = good();
-        look.picture.fingerprint = 7_u64.wrapping_sub(number);
-        look
+        let mut observation = good();
+        observation.picture.fingerprint = 7_u64.wrapping_sub(number);
+        observation
     };
     Bench::known().says(Trouble::Frozen, frozen);
     let mut pause = Bench::known();
@@ -147,43 +151,44 @@ fn a_rendered_film_that_pauses_as_it_has_paused_before_is_not_frozen() {
     for _ in 0..3 {
         let until = film.number + 40;
         let still = move |number: u64| {
-            let mut look = good();
+            let mut observation = good();
             if number < until {
-                look.picture.fingerprint = 7_u64.wrapping_sub(number);
+                observation.picture.fingerprint = 7_u64.wrapping_sub(number);
             }
-            look
+            observation
         };
         assert_eq!(film.show(3.0, still), []);
     }
     let still = |number: u64| {
-        let mut look = good();
-        look.picture.fingerprint = 7_u64.wrapping_sub(number);
-        look
+        let mut observation = good();
+        observation.picture.fingerprint = 7_u64.wrapping_sub(number);
+        observation
     };
     assert_eq!(film.show(2.5, still), []);
 }
 
 #[test]
 fn too_few_frames_are_said_and_a_frame_that_is_late_now_and_then_is_not() {
-    let few = |_| Look { dropped: 3, ..good() };
+    let few = |_| Observation { dropped: 3, ..good() };
     Bench::known().says(Trouble::TooFewFrames, few);
     let mut bench = Bench::known();
-    let now_and_then = |number: u64| Look { dropped: u32::from(number.is_multiple_of(2)), ..good() };
+    let now_and_then = |number: u64| Observation { dropped: u32::from(number.is_multiple_of(2)), ..good() };
     assert_eq!(bench.show(20.0, now_and_then), []);
 }
 
 #[test]
 fn too_few_frames_are_said_once_where_their_share_varies_about_what_is_enough() {
     let mut bench = Bench::known();
-    assert_eq!(bench.show(5.0, |_| Look { dropped: 3, ..good() }).len(), 1);
-    let more_than_half = |number: u64| Look { dropped: u32::from(!number.is_multiple_of(5)), ..good() };
+    assert_eq!(bench.show(5.0, |_| Observation { dropped: 3, ..good() }).len(), 1);
+    let more_than_half =
+        |number: u64| Observation { dropped: u32::from(!number.is_multiple_of(5)), ..good() };
     assert_eq!(bench.show(20.0, more_than_half), []);
     assert!(matches!(bench.show(5.0, |_| good())[..], [(None, _)]));
 }
 
 #[test]
 fn frames_are_too_few_where_the_job_needs_more_of_them() {
-    let two_of_three = |number: u64| Look { dropped: u32::from(number.is_multiple_of(2)), ..good() };
+    let two_of_three = |number: u64| Observation { dropped: u32::from(number.is_multiple_of(2)), ..good() };
     let mut bench = Bench::known();
     bench.sight.set_needed_hz(Some(28.0));
     assert_eq!(bench.show(20.0, two_of_three), [], "30 of 45 are enough for this job");
@@ -211,7 +216,7 @@ fn a_film_that_is_slower_than_the_job_needs_is_said_although_none_of_its_frames_
 #[test]
 fn a_camera_that_sends_less_than_half_of_what_it_was_asked_for_is_too_slow() {
     let mut bench = Bench::new();
-    bench.sight = Sight::new(Expected { rate_hz: Some(90.0), hands: true, is_calibrated: false });
+    bench.sight = SightMonitor::new(Expected { rate_hz: Some(90.0), hands: true, is_calibrated: false });
     let said = bench.show(10.0, |_| good());
     assert!(matches!(said[..], [(Some(Trouble::TooFewFrames), _)]), "{said:?}");
 }
@@ -219,9 +224,9 @@ fn a_camera_that_sends_less_than_half_of_what_it_was_asked_for_is_too_slow() {
 #[test]
 fn markers_of_another_dictionary_are_said_and_an_empty_bench_is_not() {
     let bench_with = |foreign_markers| {
-        let mut look = blind(|_| {});
-        look.foreign_markers = foreign_markers;
-        look
+        let mut observation = blind(|_| {});
+        observation.foreign_markers = foreign_markers;
+        observation
     };
     Bench::new().says(Trouble::NoMarkers, |_| bench_with(3));
     let mut empty = Bench::new();
@@ -235,27 +240,27 @@ fn markers_of_another_dictionary_are_said_and_an_empty_bench_is_not() {
 fn hands_that_work_where_no_marker_was_ever_seen_are_said() {
     let mut bench = Bench::new();
     let working = |_| {
-        let mut look = good();
-        look.markers.clear();
-        look
+        let mut observation = good();
+        observation.markers.clear();
+        observation
     };
     let said = bench.show(20.0, working);
     assert!(matches!(said[..], [(Some(Trouble::NoMarkers), _)]), "{said:?}");
 }
 
 /// The bench without a hand, the first part this far to the right.
-fn moved(by: f32) -> Look {
-    let mut look = good();
-    look.hands = 0;
-    look.markers[0] = marker(5, [90.0 + by * SIDE, 90.0]);
-    look
+fn moved(by: f32) -> Observation {
+    let mut observation = good();
+    observation.hands = 0;
+    observation.markers[0] = marker(5, [90.0 + by * SIDE, 90.0]);
+    observation
 }
 
 #[test]
 fn a_part_that_moves_without_a_hand_is_said_and_one_that_moves_with_a_hand_is_not() {
     Bench::known().says(Trouble::NoHands, |number| moved(0.05 * number as f32));
     let mut bench = Bench::known();
-    let held = |number: u64| Look { hands: 1, ..moved(0.05 * number as f32) };
+    let held = |number: u64| Observation { hands: 1, ..moved(0.05 * number as f32) };
     assert_eq!(bench.show(20.0, held), []);
 }
 
@@ -302,13 +307,13 @@ fn a_bench_that_is_cleared_darker_brighter_or_shaded_is_not_said() {
 fn who_still_finds_markers_or_hands_is_not_blind() {
     for (markers, hands) in [(true, 0), (false, 1)] {
         let mut bench = Bench::known();
-        let mut look =
+        let mut observation =
             blind(|picture| (picture.edges, picture.black, picture.cells) = (0.0, 0.99, [[9; 3]; CELLS]));
         if markers {
-            look.markers = good().markers;
+            observation.markers = good().markers;
         }
-        look.hands = hands;
-        assert_eq!(bench.show(20.0, |_| look.clone()), []);
+        observation.hands = hands;
+        assert_eq!(bench.show(20.0, |_| observation.clone()), []);
     }
 }
 
@@ -327,9 +332,9 @@ fn the_trouble_that_was_first_stays_until_it_is_over() {
     let black = |_| blind(|picture| picture.black = 1.0);
     assert_eq!(bench.show(3.0, black).len(), 1);
     let black_and_frozen = |number: u64| {
-        let mut look = black(number);
-        look.picture.fingerprint = 7_u64.wrapping_sub(number);
-        look
+        let mut observation = black(number);
+        observation.picture.fingerprint = 7_u64.wrapping_sub(number);
+        observation
     };
     assert_eq!(bench.show(5.0, black_and_frozen), []);
     assert_eq!(bench.sight_now(), Some(Trouble::Black));

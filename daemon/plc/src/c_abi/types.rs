@@ -72,7 +72,7 @@ pub struct AndonVerdict {
     pub distance: f32,
     /// The threshold that the distance was compared with; NaN if there is none.
     pub threshold: f32,
-    /// What the measure is that is out of its bounds, in the unit of `measure`; NaN if none is.
+    /// The value of the measure that is out of its bounds, in the unit of `measure`; NaN if none is.
     pub measured: f32,
     /// The minimum that was shown; NaN if none is out of its bounds.
     pub shown_min: f32,

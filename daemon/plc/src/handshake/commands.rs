@@ -170,8 +170,8 @@ impl Commands {
         self.wait(if kind == CommandKind::LoadJob { Asked::job(job) } else { Asked::plain(kind) });
     }
 
-    /// Takes the part id that a client has written. It counts from now on, and is given to the judge until that has it. After one that
-    /// is none the next job has none: never that of the part before.
+    /// Takes the part id that a client has written. It counts from now on, and is given to the judge until that has it. After an
+    /// invalid one the next job has none, and never that of the part before.
     pub(super) fn set_part(&mut self) {
         let part = PartId::new(&self.control.part);
         let wanted = part.unwrap_or(PartId::NONE);

@@ -33,7 +33,7 @@ impl Fault {
         match self {
             Self::Camera => "no frames come from the camera: check its cable and its power",
             Self::Role => {
-                "a process of the station is gone, hangs or gets nothing in time: `andond status` names it, and systemd restarts one that has ended"
+                "a process of the station has ended, hangs or gets no data in time: `andond status` names it, and systemd restarts one that has ended"
             }
             Self::Sight => {
                 "the station does not see its bench: the code in the detail says why and what to do"

@@ -97,7 +97,7 @@ pub enum FolderError {
 /// The recordings of a folder with who did what. Where a track file and a film have one name, the track file is taken: it was made of the film.
 ///
 /// # Errors
-/// A folder that cannot be read or has no recording of such a name, and a table that names a file that is not there.
+/// A folder that cannot be read or has no recording of such a name. A table that names a file that is not there.
 pub fn recordings(folder: &Path, naming: &Naming) -> Result<Recordings, FolderError> {
     let written = match naming {
         Naming::Table(table) => table.files(folder)?,
@@ -132,7 +132,7 @@ fn named(
     Ok(found.into_values().collect())
 }
 
-/// The name of a recording without its ending; `None` of a file that is none.
+/// The name of a recording without its ending; `None` if the file is no recording.
 fn stem(path: &Path) -> Option<String> {
     let name = path.file_name()?.to_str()?;
     if let Some(stem) = name.strip_suffix(TRACKS) {

@@ -120,7 +120,7 @@ fn pictures(track: &[u8], movie_scale: u64) -> Option<u64> {
         shown += times.iter().filter(|time| (i128::from(*from)..until).contains(&i128::from(**time))).count()
             as u64;
     }
-    // An edit list that shows nothing is none: some programs write an empty one.
+    // An edit list that shows nothing is ignored: some programs write an empty one.
     Some(if shown == 0 { times.len() as u64 } else { shown })
 }
 
@@ -142,7 +142,7 @@ fn edits(list: &[u8]) -> Option<Vec<(u64, i64)>> {
 
 /// When each picture of a track is due, in the track's time.
 fn shown_at(samples: &[u8]) -> Option<Vec<i64>> {
-    /// No film has as many pictures.
+    /// No film has this many pictures.
     const MAX_PICTURES: u64 = 1 << 24;
     let mut times = Vec::new();
     let mut now: i64 = 0;

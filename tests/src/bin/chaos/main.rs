@@ -310,7 +310,7 @@ impl Chaos {
     /// Ends the shift, stops everything and checks what is left. Returns the report, and whether it is as it must be.
     fn finish(mut self, p99_ms: f64) -> (Value, bool) {
         let said = self.program.end();
-        let looks = self.poller.stop();
+        let answers = self.poller.stop();
         let mut failures = self.line.stop_all_but_steward();
         self.watcher.listen(Duration::ZERO);
         let heard = std::mem::take(&mut self.watcher.verdicts);
@@ -321,7 +321,7 @@ impl Chaos {
         if !said.contains("\"missed\": 0,") {
             failures.push(format!("the PLC's program says {said}"));
         }
-        let (ready, false_ready) = self.oracle.judge(&looks);
+        let (ready, false_ready) = self.oracle.judge(&answers);
         failures.extend(false_ready);
         failures.extend(self.line.shared_files().iter().map(|name| format!("left in shared memory: {name}")));
         failures.append(&mut self.tally.in_vain);

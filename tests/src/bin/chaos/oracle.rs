@@ -1,7 +1,7 @@
 //! Knows when the line could judge. It is told what was done to each role, the role's own signs of life, and what the judge says of itself. It holds
 //! against that when the line said that it was ready.
 
-use crate::poller::Look;
+use crate::poller::Answer;
 use andon_tests::measure::percentile;
 use serde_json::{Value, json};
 
@@ -48,15 +48,16 @@ impl Oracle {
         }
     }
 
-    /// What is to be said of the looks. It names those that saw a line ready that could not judge and had had the time to find out.
-    pub(crate) fn judge(&self, looks: &[Look]) -> (Value, Vec<String>) {
+    /// What is to be said of the answers. It names those that saw a line ready that could not judge and had had the time to find out.
+    pub(crate) fn judge(&self, answers: &[Answer]) -> (Value, Vec<String>) {
         let mut lasted_ms = Vec::new();
         let mut false_ready = Vec::new();
         for unable in &self.0 {
             let until_ns = unable.until_ns.unwrap_or(u64::MAX);
-            let first = looks.partition_point(|look| look.asked_ns <= unable.from_ns);
-            let within = looks.iter().skip(first).take_while(|look| look.answered_ns < until_ns);
-            let ready = within.filter(|look| look.is_ready).map(|look| look.asked_ns - unable.from_ns).max();
+            let first = answers.partition_point(|answer| answer.asked_ns <= unable.from_ns);
+            let within = answers.iter().skip(first).take_while(|answer| answer.answered_ns < until_ns);
+            let ready =
+                within.filter(|answer| answer.is_ready).map(|answer| answer.asked_ns - unable.from_ns).max();
             let ms = ready.unwrap_or_default() as f64 / 1e6;
             lasted_ms.push(ms);
             if ms > may_last_ms(unable.role) {
@@ -81,10 +82,11 @@ mod tests {
 
     const MS: u64 = 1_000_000;
 
-    /// One look every 100 ms, which all see the line ready.
-    fn always_ready() -> Vec<Look> {
-        let look = |at_ms: u64| Look { asked_ns: at_ms * MS, answered_ns: at_ms * MS + MS, is_ready: true };
-        (0..100).map(|tenth| look(100 * tenth)).collect()
+    /// One answer every 100 ms, which all see the line ready.
+    fn always_ready() -> Vec<Answer> {
+        let answer =
+            |at_ms: u64| Answer { asked_ns: at_ms * MS, answered_ns: at_ms * MS + MS, is_ready: true };
+        (0..100).map(|tenth| answer(100 * tenth)).collect()
     }
 
     #[test]

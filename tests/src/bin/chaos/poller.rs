@@ -14,7 +14,7 @@ const TIMEOUT: Duration = Duration::from_millis(500);
 
 /// What the line said when it was asked. Times are of the monotonic clock.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Look {
+pub(crate) struct Answer {
     /// When it was asked.
     pub(crate) asked_ns: u64,
     /// When the answer was there.
@@ -25,52 +25,52 @@ pub(crate) struct Look {
 
 /// Polls the status word until it is stopped.
 pub(crate) struct Poller {
-    looks: Arc<Mutex<Vec<Look>>>,
+    answers: Arc<Mutex<Vec<Answer>>>,
     end: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Poller {
     pub(crate) fn start(port: u16) -> Self {
-        let (looks, end) = (Arc::new(Mutex::new(Vec::new())), Arc::new(AtomicBool::new(false)));
-        let (seen, stop) = (Arc::clone(&looks), Arc::clone(&end));
+        let (answers, end) = (Arc::new(Mutex::new(Vec::new())), Arc::new(AtomicBool::new(false)));
+        let (seen, stop) = (Arc::clone(&answers), Arc::clone(&end));
         let poll = move || {
             let mut client = None;
             while !stop.load(Ordering::Relaxed) {
-                let look = look(&mut client, port);
-                seen.lock().unwrap_or_else(PoisonError::into_inner).push(look);
+                let answer = ask(&mut client, port);
+                seen.lock().unwrap_or_else(PoisonError::into_inner).push(answer);
                 std::thread::sleep(SCAN);
             }
         };
-        Self { looks, end, thread: Some(std::thread::spawn(poll)) }
+        Self { answers, end, thread: Some(std::thread::spawn(poll)) }
     }
 
-    /// Whether the newest look that was begun after this time has seen the line ready.
+    /// Whether the newest answer that was begun after this time has seen the line ready.
     pub(crate) fn ready_since(&self, ns: u64) -> bool {
-        self.looks().last().is_some_and(|look| look.is_ready && look.asked_ns >= ns)
+        self.answers().last().is_some_and(|answer| answer.is_ready && answer.asked_ns >= ns)
     }
 
     /// Whether it has seen the line not ready since this time.
     pub(crate) fn dropped_since(&self, ns: u64) -> bool {
-        let looks = self.looks();
-        looks.iter().rev().take_while(|look| look.answered_ns > ns).any(|look| !look.is_ready)
+        let answers = self.answers();
+        answers.iter().rev().take_while(|answer| answer.answered_ns > ns).any(|answer| !answer.is_ready)
     }
 
     /// Everything that it has seen, in order.
-    pub(crate) fn stop(&mut self) -> Vec<Look> {
+    pub(crate) fn stop(&mut self) -> Vec<Answer> {
         self.end.store(true, Ordering::Relaxed);
         if let Some(thread) = self.thread.take() {
             thread.join().unwrap();
         }
-        std::mem::take(&mut *self.looks())
+        std::mem::take(&mut *self.answers())
     }
 
-    fn looks(&self) -> std::sync::MutexGuard<'_, Vec<Look>> {
-        self.looks.lock().unwrap_or_else(PoisonError::into_inner)
+    fn answers(&self) -> std::sync::MutexGuard<'_, Vec<Answer>> {
+        self.answers.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-fn look(client: &mut Option<Modbus>, port: u16) -> Look {
+fn ask(client: &mut Option<Modbus>, port: u16) -> Answer {
     let (asked, asked_ns) = (Instant::now(), MonotonicTime::now().nanoseconds());
     *client = client.take().or_else(|| Modbus::connect(port).ok());
     let answer = client.as_mut().map(Modbus::status);
@@ -79,5 +79,5 @@ fn look(client: &mut Option<Modbus>, port: u16) -> Look {
         *client = None;
     }
     let answered_ns = MonotonicTime::now().nanoseconds();
-    Look { asked_ns, answered_ns, is_ready: is_ready && asked.elapsed() < TIMEOUT }
+    Answer { asked_ns, answered_ns, is_ready: is_ready && asked.elapsed() < TIMEOUT }
 }

@@ -3,14 +3,14 @@
 
 mod hand;
 mod legend;
-mod seen;
+mod visibility;
 
 use std::fmt::Write as _;
 
 use andon_core::couple::Couple;
 
 use super::Names;
-pub use seen::Seen;
+pub use visibility::RecordedVisibility;
 
 /// A stretch of time with a label.
 #[derive(Clone, Debug)]
@@ -71,7 +71,7 @@ impl Axis {
 }
 
 /// Draws what was seen, and below it the timelines of all hands, as one SVG.
-pub fn draw(seen: &Seen, timelines: &[Timeline], names: &Names, bins: u8) -> String {
+pub fn draw(seen: &RecordedVisibility, timelines: &[Timeline], names: &Names, bins: u8) -> String {
     let couples = || timelines.iter().flat_map(|timeline| &timeline.couples);
     let times = || couples().map(|couple| couple.captured_ns);
     let acted = times().min().zip(times().max());

@@ -2,7 +2,7 @@
 
 mod alive;
 mod delivery;
-mod watching;
+mod not_watching;
 
 use std::collections::VecDeque;
 use std::path::Path;
@@ -19,7 +19,7 @@ use super::RoleError;
 use super::clock::ClockWatch;
 use crate::identity;
 use delivery::Delivery;
-use watching::Watching;
+use not_watching::NotWatching;
 
 /// Between two tries to write while the disk is full or the database locked. Each may itself wait as long for the lock.
 const TRY_AGAIN: Duration = Duration::from_millis(250);
@@ -43,7 +43,7 @@ struct Keeper {
     audits: Reader<Audit>,
     /// What was done and is not written yet.
     unwritten_audits: VecDeque<Audit>,
-    watching: Watching,
+    not_watching: NotWatching,
     delivery: Delivery,
     /// Verdicts in gaps that have been logged.
     lost: u64,
@@ -111,7 +111,7 @@ impl Keeper {
             health: cycle.node().reader()?,
             audits: cycle.node().reader()?,
             unwritten_audits: VecDeque::new(),
-            watching: Watching::new(config),
+            not_watching: NotWatching::new(config),
             lost: 0,
             removed: 0,
             unacknowledged: 0,
@@ -148,9 +148,9 @@ impl Keeper {
     /// Takes what has come and fits. The rest stays on the channels.
     fn take(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         while let Some(health) = self.health.take()? {
-            self.watching.receive(&health);
+            self.not_watching.receive(&health);
         }
-        self.watching.look();
+        self.not_watching.look();
         while self.unwritten_audits.len() < MAX_AUDITS {
             let Some(audit) = self.audits.take()? else { break };
             self.unwritten_audits.push_back(*audit);
@@ -170,7 +170,7 @@ impl Keeper {
         }
         let aside = self.journal.begin_anew()?;
         self.needs_new = false;
-        self.watching.forget_rows();
+        self.not_watching.forget_rows();
         self.delivery.journal_is_new();
         match aside {
             Some(aside) => self.tell_damage(&aside)?,
@@ -199,7 +199,7 @@ impl Keeper {
             self.delivery.has_written();
             self.delivery.keep(&mut self.journal)?;
         }
-        self.watching.write(&mut self.journal)?;
+        self.not_watching.write(&mut self.journal)?;
         while let Some(audit) = self.unwritten_audits.front() {
             self.journal.record(audit)?;
             self.unwritten_audits.pop_front();

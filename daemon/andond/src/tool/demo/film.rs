@@ -6,7 +6,7 @@ use andon_core::couple::Couple;
 use andon_core::verdict::Verdict;
 use andon_host::config::Camera;
 
-use super::watch::Received;
+use super::channels::Received;
 use crate::picture::Annotator;
 use crate::recording::View;
 use crate::report::Names;

@@ -1,11 +1,11 @@
 //! `andond demo`: runs every role as its own process, plays the shipped clips through all of them, and prints what a
 //! technician would read.
 
+mod channels;
 mod film;
 mod summary;
 pub(super) mod supervisor;
 pub(super) mod usage;
-mod watch;
 
 use std::io::ErrorKind;
 use std::net::{Ipv4Addr, TcpListener};
@@ -24,10 +24,10 @@ use super::{ToolError, job, progress};
 use crate::cli::{Demo, Speed};
 use crate::report::{Names, Teller, on_recording};
 use crate::wire;
+use channels::{Channels, Received};
 use summary::{Row, Summary};
 use supervisor::Running;
 use usage::Usage;
-use watch::{Channels, Received};
 
 /// The roles that stay up from clip to clip, in the order of the data path.
 const ROLES: [(&str, RoleId); 6] = [

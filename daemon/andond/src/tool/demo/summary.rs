@@ -6,7 +6,7 @@ use std::path::Path;
 use andon_core::couple::Unseen;
 use andon_core::verdict::{Level, Outcome, Verdict};
 
-use super::watch::Received;
+use super::channels::Received;
 use crate::report::Names;
 use crate::wire;
 

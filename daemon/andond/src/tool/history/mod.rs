@@ -14,7 +14,7 @@ use andon_journal::{Entry, History, JournalError, Query};
 use jiff::Timestamp;
 
 use super::clock::Clock;
-use super::known::KnownJobs;
+use super::known_jobs::KnownJobs;
 use super::part::part_id;
 use super::{ToolError, cannot_write, check_writable, job, running_config};
 use crate::cli::History as Arguments;

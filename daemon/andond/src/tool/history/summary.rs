@@ -7,7 +7,7 @@ use andon_core::verdict::{Level, Outcome};
 use andon_journal::Entry;
 
 use crate::tool::clock::Clock;
-use crate::tool::known::KnownJobs;
+use crate::tool::known_jobs::KnownJobs;
 use crate::wire;
 
 /// One job that was done.

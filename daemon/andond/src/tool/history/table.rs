@@ -8,7 +8,7 @@ use shm_schemas::Verdict as Message;
 
 use crate::report::Teller;
 use crate::tool::clock::Clock;
-use crate::tool::known::KnownJobs;
+use crate::tool::known_jobs::KnownJobs;
 use crate::wire;
 
 /// Writes one line per entry. What follows from a fault stands beneath it.

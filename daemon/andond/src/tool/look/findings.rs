@@ -5,7 +5,7 @@ use andon_host::config::{Config, Object};
 use andon_host::video::pipe::PictureFormat;
 use serde::Serialize;
 
-use super::eye::{Glance, side_px};
+use super::inspector::{Inspection, side_px};
 
 /// Mean grey level below which it is too dark. The shipped clips darkened by ffmpeg's `eq=brightness=-0.25` have 12: without a camera's noise
 /// all is found there, and with it there is no reserve.
@@ -26,7 +26,7 @@ const HELD: f32 = 0.5;
 
 /// One sentence.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(super) struct Line {
+pub(super) struct Finding {
     /// Nothing needs to be done.
     pub(super) is_good: bool,
     /// What it is about, such as the name of a part.
@@ -34,25 +34,25 @@ pub(super) struct Line {
     pub(super) sentence: String,
 }
 
-fn line(is_good: bool, about: &str, sentence: impl Into<String>) -> Line {
-    Line { is_good, about: about.to_owned(), sentence: sentence.into() }
+fn finding(is_good: bool, about: &str, sentence: impl Into<String>) -> Finding {
+    Finding { is_good, about: about.to_owned(), sentence: sentence.into() }
 }
 
 /// Everything that the pictures say, in the order in which it is put right.
-pub(super) fn sentences(glances: &[Glance], config: &Config, format: PictureFormat) -> Vec<Line> {
-    if glances.is_empty() {
+pub(super) fn sentences(inspections: &[Inspection], config: &Config, format: PictureFormat) -> Vec<Finding> {
+    if inspections.is_empty() {
         return Vec::new();
     }
-    let mut lines = vec![light(glances), sharpness(glances)];
+    let mut lines = vec![light(inspections), sharpness(inspections)];
     let dictionary = config.perception.dictionary;
     let sizes = Sizes {
         needed_px: dictionary.needed_side_px() as f32,
         wanted_px: dictionary.wanted_side_px() as f32,
     };
     let marked = config.objects.iter().filter(|object| object.marker_id().is_some());
-    lines.extend(marked.map(|object| part(glances, object, sizes, format)));
-    lines.extend(config.perception.hands.iter().map(|side| hand(glances, *side)));
-    lines.extend(strangers(glances));
+    lines.extend(marked.map(|object| part(inspections, object, sizes, format)));
+    lines.extend(config.perception.hands.iter().map(|side| hand(inspections, *side)));
+    lines.extend(strangers(inspections));
     lines
 }
 
@@ -67,12 +67,14 @@ fn median(mut values: Vec<f32>) -> Option<f32> {
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f32::total_cmp).1)
 }
 
-fn light(glances: &[Glance]) -> Line {
-    let grey = |glance: &Glance| mean(glance.picture.cells.iter().flatten().map(|level| f32::from(*level)));
+fn light(inspections: &[Inspection]) -> Finding {
+    let grey = |inspection: &Inspection| {
+        mean(inspection.picture.cells.iter().flatten().map(|level| f32::from(*level)))
+    };
     let (level, white, noise) = (
-        mean(glances.iter().map(grey)),
-        mean(glances.iter().map(|glance| glance.picture.white)),
-        mean(glances.iter().map(|glance| glance.picture.noise)),
+        mean(inspections.iter().map(grey)),
+        mean(inspections.iter().map(|inspection| inspection.picture.white)),
+        mean(inspections.iter().map(|inspection| inspection.picture.noise)),
     );
     let figures = format!("mean level {level:.0} of 255, noise {noise:.0}, {:.0} % white", 100.0 * white);
     let advice = if level < DARK {
@@ -82,14 +84,14 @@ fn light(glances: &[Glance]) -> Line {
     } else if noise > NOISY {
         "the picture is noisy: more light, so that the camera amplifies less"
     } else {
-        return line(true, "light", figures);
+        return finding(true, "light", figures);
     };
-    line(false, "light", format!("{advice} ({figures})"))
+    finding(false, "light", format!("{advice} ({figures})"))
 }
 
-fn sharpness(glances: &[Glance]) -> Line {
-    match median(glances.iter().filter_map(|glance| glance.picture.sharpness).collect()) {
-        None => line(
+fn sharpness(inspections: &[Inspection]) -> Finding {
+    match median(inspections.iter().filter_map(|inspection| inspection.picture.sharpness).collect()) {
+        None => finding(
             false,
             "sharpness",
             "no sharp edge is in the picture: put parts into view, or focus the lens",
@@ -100,10 +102,10 @@ fn sharpness(glances: &[Glance]) -> Line {
                 100.0 * share,
                 100.0 * SOFT
             );
-            line(false, "sharpness", sentence)
+            finding(false, "sharpness", sentence)
         }
         Some(share) => {
-            line(true, "sharpness", format!("{:.0} % of an edge lies within two pixels", 100.0 * share))
+            finding(true, "sharpness", format!("{:.0} % of an edge lies within two pixels", 100.0 * share))
         }
     }
 }
@@ -116,51 +118,53 @@ struct Sizes {
 }
 
 /// A part by its marker: whether it is seen, and is large enough in the picture.
-fn part(glances: &[Glance], object: &Object, sizes: Sizes, format: PictureFormat) -> Line {
+fn part(inspections: &[Inspection], object: &Object, sizes: Sizes, format: PictureFormat) -> Finding {
     let Sizes { needed_px, wanted_px } = sizes;
-    let seen: Vec<[[f32; 2]; 4]> = glances.iter().filter_map(|glance| glance.part(object.id)).collect();
+    let seen: Vec<[[f32; 2]; 4]> =
+        inspections.iter().filter_map(|inspection| inspection.part(object.id)).collect();
     let about = object.name.as_str();
-    let twice = glances.iter().filter(|glance| glance.twice.contains(&object.id)).count();
+    let twice = inspections.iter().filter(|inspection| inspection.twice.contains(&object.id)).count();
     // What is read once is a lucky pattern.
-    if twice * 4 > glances.len() {
+    if twice * 4 > inspections.len() {
         let sentence = format!(
             "its marker {} is in view twice, and nobody knows which one is the part: take the other print away, or give it an id of its own",
             object.marker_id().unwrap_or(object.id)
         );
-        return line(false, about, sentence);
+        return finding(false, about, sentence);
     }
     let Some(width) = median(seen.iter().map(side_px).collect()) else {
-        return line(false, about, unseen(glances, object.marker_id().unwrap_or(object.id)));
+        return finding(false, about, unseen(inspections, object.marker_id().unwrap_or(object.id)));
     };
-    let share = share(seen.len(), glances.len());
+    let share = share(seen.len(), inspections.len());
     if width.round() < needed_px {
         // Rounded up, so that it is enough.
         let print_mm = (1000.0 * object.marker_side_m.unwrap_or_default() * wanted_px / width).ceil();
         let sentence = format!(
             "its marker is {width:.0} px wide; {wanted_px:.0} are needed: come nearer, or print it at {print_mm:.0} mm ({share})"
         );
-        return line(false, about, sentence);
+        return finding(false, about, sentence);
     }
     let near_edge = seen.iter().filter(|corners| is_at_edge(corners, format)).count();
     if 2 * near_edge > seen.len() {
         let sentence = format!(
             "it lies at the edge of the picture, and is lost when it is moved: turn the camera ({share})"
         );
-        return line(false, about, sentence);
+        return finding(false, about, sentence);
     }
     let enough = if width.round() < wanted_px {
         format!("enough, with little reserve for noise and dim light: {wanted_px:.0} are better")
     } else {
         format!("{wanted_px:.0} are needed")
     };
-    line(true, about, format!("its marker is {width:.0} px wide; {enough} ({share})"))
+    finding(true, about, format!("its marker is {width:.0} px wide; {enough} ({share})"))
 }
 
 /// Why a marker is in no picture.
-fn unseen(glances: &[Glance], id: u16) -> String {
-    let count = |odd: usize| glances.iter().filter(|glance| glance.odd[odd].contains(&id)).count();
+fn unseen(inspections: &[Inspection], id: u16) -> String {
+    let count =
+        |odd: usize| inspections.iter().filter(|inspection| inspection.odd[odd].contains(&id)).count();
     // What is read once is a lucky pattern.
-    let often = |odd: usize| count(odd) > 1 || glances.len() == 1 && count(odd) == 1;
+    let often = |odd: usize| count(odd) > 1 || inspections.len() == 1 && count(odd) == 1;
     if often(0) {
         return format!(
             "its marker {id} is seen in the mirror only: the picture is mirrored, as for a selfie; turn that off in the camera or its program"
@@ -182,35 +186,36 @@ fn is_at_edge(corners: &[[f32; 2]; 4], format: PictureFormat) -> bool {
     corners.iter().any(|[x, y]| is_near(*x, format.width) || is_near(*y, format.height))
 }
 
-fn hand(glances: &[Glance], side: Side) -> Line {
+fn hand(inspections: &[Inspection], side: Side) -> Finding {
     let about = format!("{} hand", side.name());
-    let has_hand = |glance: &Glance| glance.has_hand(side);
-    let between = glances.iter().position(has_hand).zip(glances.iter().rposition(has_hand));
+    let has_hand = |inspection: &Inspection| inspection.has_hand(side);
+    let between = inspections.iter().position(has_hand).zip(inspections.iter().rposition(has_hand));
     let Some((first, last)) = between else {
-        let others = glances.iter().filter(|glance| glance.hands > glance.seen.hands().len()).count();
-        if 4 * others > glances.len() {
+        let others =
+            inspections.iter().filter(|inspection| inspection.hands > inspection.seen.hands().len()).count();
+        if 4 * others > inspections.len() {
             let sentence = "not seen, but a hand that perception.hands does not name is in view: name both, or the one that works here";
-            return line(false, &about, sentence);
+            return finding(false, &about, sentence);
         }
         // Nobody needs to work while the bench is set up.
-        return line(true, &about, "not seen: hold it over the bench to try it");
+        return finding(true, &about, "not seen: hold it over the bench to try it");
     };
-    let seen = glances.iter().filter(|glance| glance.has_hand(side)).count();
-    let said = share(seen, glances.len());
+    let seen = inspections.iter().filter(|inspection| inspection.has_hand(side)).count();
+    let said = share(seen, inspections.len());
     if (seen as f32) < HELD * (last - first + 1) as f32 {
         let advice = "it is lost again and again: more light, the wrist in view, or the hand bare";
-        return line(false, &about, format!("{advice} ({said})"));
+        return finding(false, &about, format!("{advice} ({said})"));
     }
-    line(true, &about, said)
+    finding(true, &about, said)
 }
 
 /// Markers that belong to no part.
-fn strangers(glances: &[Glance]) -> Option<Line> {
+fn strangers(inspections: &[Inspection]) -> Option<Finding> {
     let mut ids: Vec<u16> =
-        glances.iter().flat_map(|glance| glance.others.iter().map(|marker| marker.id)).collect();
+        inspections.iter().flat_map(|inspection| inspection.others.iter().map(|marker| marker.id)).collect();
     ids.sort_unstable();
     // What is read once is a lucky pattern.
-    let often = |id: &u16| ids.iter().filter(|other| *other == id).count() * 4 > glances.len();
+    let often = |id: &u16| ids.iter().filter(|other| *other == id).count() * 4 > inspections.len();
     let mut known: Vec<u16> = ids.iter().filter(|id| often(id)).copied().collect();
     known.dedup();
     if !known.is_empty() {
@@ -222,13 +227,14 @@ fn strangers(glances: &[Glance]) -> Option<Line> {
              for `andond calibrate`",
             listed.join(", ")
         );
-        return Some(line(false, "others", sentence));
+        return Some(finding(false, "others", sentence));
     }
-    let is_foreign = glances.iter().filter(|glance| glance.foreign > 0).count() * 2 > glances.len();
+    let is_foreign =
+        inspections.iter().filter(|inspection| inspection.foreign > 0).count() * 2 > inspections.len();
     is_foreign.then(|| {
         let sentence =
             "markers of another dictionary are in view: print those of `andond markers`, or name theirs in perception.dictionary";
-        line(false, "others", sentence)
+        finding(false, "others", sentence)
     })
 }
 

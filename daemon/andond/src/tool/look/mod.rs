@@ -1,7 +1,7 @@
 //! `andond look`: shows what the camera sees, and says what to improve.
 
-mod eye;
 mod findings;
+mod inspector;
 mod page;
 mod source;
 mod terminal;
@@ -16,14 +16,14 @@ use andon_host::video::pipe::PictureFormat;
 
 use super::{ToolError, stills};
 use crate::cli::Look;
-use eye::{Eye, Glance};
 use findings::sentences;
+use inspector::{Inspection, Inspector};
 use page::Page;
 use source::Source;
 
 /// A live page need not show more pictures than this per second, and looking at more would take time from the line.
 const PAGE_HZ: f64 = 10.0;
-/// What the page says depends on as many pictures: some seconds.
+/// What the page says depends on this many pictures: some seconds.
 const PAGE_PICTURES: usize = 30;
 
 /// Runs the command.
@@ -46,29 +46,29 @@ pub fn run(arguments: &Look) -> Result<Code, ToolError> {
 /// The picture that shows most, and what was seen in it.
 struct Best {
     picture: Vec<u8>,
-    glance: Glance,
+    inspection: Inspection,
 }
 
 fn look_once(arguments: &Look, config: &Config) -> Result<Code, ToolError> {
     let mut source = Source::open(arguments.source.as_deref(), config)?;
-    let mut eye = Eye::new(config, source.sees_hands())?;
+    let mut inspector = Inspector::new(config, source.sees_hands())?;
     let until_ns = source.is_live().then_some((f64::from(arguments.seconds) * 1e9) as u64);
     let mut best: Option<Best> = None;
-    let mut glances = Vec::new();
+    let mut inspections = Vec::new();
     while let Some(view) = source.next()? {
-        let glance = eye.glance(&view)?;
-        if best.as_ref().is_none_or(|best| glance.shows() > best.glance.shows()) {
-            best = Some(Best { picture: view.picture.to_vec(), glance: glance.clone() });
+        let inspection = inspector.inspect(&view)?;
+        if best.as_ref().is_none_or(|best| inspection.shows() > best.inspection.shows()) {
+            best = Some(Best { picture: view.picture.to_vec(), inspection: inspection.clone() });
         }
         let is_over = until_ns.is_some_and(|until_ns| view.at_ns >= until_ns);
-        glances.push(glance);
+        inspections.push(inspection);
         if is_over {
             break;
         }
     }
     let format = source.format();
     let Some(best) = best else { return Err(ToolError::NothingSeen(source.name())) };
-    let annotated = eye.annotated(format, &best.picture, &best.glance)?;
+    let annotated = inspector.annotated(format, &best.picture, &best.inspection)?;
     if let Some(path) = &arguments.save {
         stills::write(path, format, &best.picture)?;
     }
@@ -78,7 +78,7 @@ fn look_once(arguments: &Look, config: &Config) -> Result<Code, ToolError> {
     if stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none() {
         print!("{}", terminal::picture(&annotated, format));
     }
-    print!("{}", report(&source.name(), format, &glances, config));
+    print!("{}", report(&source.name(), format, &inspections, config));
     for path in arguments.save.iter().chain(&arguments.annotated) {
         println!("{}", path.display());
     }
@@ -86,9 +86,9 @@ fn look_once(arguments: &Look, config: &Config) -> Result<Code, ToolError> {
 }
 
 /// The sentences below one another, with what to improve marked.
-fn report(name: &str, format: PictureFormat, glances: &[Glance], config: &Config) -> String {
-    let lines = sentences(glances, config, format);
-    let count = glances.len();
+fn report(name: &str, format: PictureFormat, inspections: &[Inspection], config: &Config) -> String {
+    let lines = sentences(inspections, config, format);
+    let count = inspections.len();
     let pictures = if count == 1 { "one picture".to_owned() } else { format!("{count} pictures") };
     let width = lines.iter().map(|line| line.about.chars().count()).max().unwrap_or_default();
     let mut text = format!("{name}: {} x {} pixels, {pictures}\n", format.width, format.height);
@@ -106,18 +106,23 @@ fn show_page(arguments: &Look, config: &Config, port: u16) -> Result<Code, ToolE
     println!("http://{}/ shows it on this machine; stop with Ctrl-C", page.address());
     loop {
         let mut source = Source::open(arguments.source.as_deref(), config)?;
-        let mut eye = Eye::new(config, source.sees_hands())?;
-        show_source(&mut source, &mut eye, &page, config)?;
+        let mut inspector = Inspector::new(config, source.sees_hands())?;
+        show_source(&mut source, &mut inspector, &page, config)?;
         if source.is_live() {
             return Ok(Code::Stopped);
         }
     }
 }
 
-fn show_source(source: &mut Source, eye: &mut Eye, page: &Page, config: &Config) -> Result<(), ToolError> {
+fn show_source(
+    source: &mut Source,
+    inspector: &mut Inspector,
+    page: &Page,
+    config: &Config,
+) -> Result<(), ToolError> {
     let format = source.format();
     let mut encoder = crate::video::StillEncoder::new("jpg", format)?;
-    let mut glances: Vec<Glance> = Vec::new();
+    let mut inspections: Vec<Inspection> = Vec::new();
     let name = source.name();
     let mut next_ns = 0;
     while let Some(view) = source.next_at_its_time()? {
@@ -125,13 +130,13 @@ fn show_source(source: &mut Source, eye: &mut Eye, page: &Page, config: &Config)
             continue;
         }
         next_ns = view.at_ns + (1e9 / PAGE_HZ) as u64;
-        let glance = eye.glance(&view)?;
-        let annotated = eye.annotated(format, view.picture, &glance)?;
-        if glances.len() == PAGE_PICTURES {
-            glances.remove(0);
+        let inspection = inspector.inspect(&view)?;
+        let annotated = inspector.annotated(format, view.picture, &inspection)?;
+        if inspections.len() == PAGE_PICTURES {
+            inspections.remove(0);
         }
-        glances.push(glance);
-        page.show(encoder.encode(&annotated)?, &name, sentences(&glances, config, format));
+        inspections.push(inspection);
+        page.show(encoder.encode(&annotated)?, &name, sentences(&inspections, config, format));
     }
     Ok(())
 }

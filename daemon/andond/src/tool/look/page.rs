@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use andon_http::{Request, Response, Server};
 use serde::Serialize;
 
-use super::findings::Line;
+use super::findings::Finding;
 
 const HTML: &str = include_str!("page.html");
 const SCRIPT: &str = include_str!("page.js");
@@ -40,7 +40,7 @@ struct Newest {
 #[derive(Serialize)]
 struct Words<'a> {
     source: &'a str,
-    lines: Vec<Line>,
+    lines: Vec<Finding>,
 }
 
 /// A page that is being served.
@@ -67,7 +67,7 @@ impl Page {
     }
 
     /// Shows the next picture.
-    pub(super) fn show(&self, jpeg: Vec<u8>, source: &str, lines: Vec<Line>) {
+    pub(super) fn show(&self, jpeg: Vec<u8>, source: &str, lines: Vec<Finding>) {
         // Texts and truth values always become JSON.
         let words = serde_json::to_string(&Words { source, lines }).unwrap_or_default();
         *self.newest.lock().unwrap_or_else(PoisonError::into_inner) = Newest { jpeg, words };
@@ -109,8 +109,8 @@ mod tests {
     #[test]
     fn the_page_shows_the_newest_picture_and_its_sentences_to_this_machine_only() {
         let page = Page::serve(SocketAddr::from((Ipv4Addr::LOCALHOST, 0))).unwrap();
-        let line = Line { is_good: false, about: "brick".into(), sentence: "not seen".into() };
-        page.show(b"a picture".to_vec(), "a film", vec![line]);
+        let finding = Finding { is_good: false, about: "brick".into(), sentence: "not seen".into() };
+        page.show(b"a picture".to_vec(), "a film", vec![finding]);
         let port = page.address().port();
         let get =
             |path: &str, host: &str| asked(&page, &format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n"));

@@ -5,7 +5,7 @@ use serde::Serialize;
 use shm_schemas::{Health, JudgePhase, Judging, RoleId, RoleState, Sight};
 
 use crate::sight;
-use crate::tool::known::KnownJobs;
+use crate::tool::known_jobs::KnownJobs;
 
 /// All of it.
 #[derive(Serialize)]

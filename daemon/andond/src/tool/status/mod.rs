@@ -8,7 +8,7 @@ use andon_host::taken::Taken;
 
 use super::clock::Clock;
 use super::join::join;
-use super::known::KnownJobs;
+use super::known_jobs::KnownJobs;
 use super::{ToolError, running_config};
 use crate::cli::Status;
 use heard::Heard;

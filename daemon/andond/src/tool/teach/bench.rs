@@ -22,8 +22,8 @@ const WAIT: Duration = Duration::from_millis(100);
 /// For how long it is looked which parts lie on the bench.
 const FIRST_LOOK: Duration = Duration::from_millis(500);
 
-/// What there is to see now.
-pub(super) enum Look {
+/// What comes from the bench next.
+pub(super) enum Event {
     Frame(Box<Frame>),
     /// The recording of the station is at its end.
     End,
@@ -71,16 +71,16 @@ impl Bench {
         let mut began = None::<Instant>;
         let mut seen: Vec<u16> = Vec::new();
         while began.is_none_or(|began| began.elapsed() < FIRST_LOOK) {
-            match self.look()? {
-                Look::Frame(frame) => {
+            match self.next_event()? {
+                Event::Frame(frame) => {
                     began.get_or_insert_with(Instant::now);
                     seen.extend(frame.objects.iter().map(|object| object.id));
                 }
-                Look::End | Look::Stop => break,
-                Look::Nothing if began.is_none() && opened.elapsed() > PATIENCE => {
+                Event::End | Event::Stop => break,
+                Event::Nothing if began.is_none() && opened.elapsed() > PATIENCE => {
                     return Err(ToolError::NoFrames);
                 }
-                Look::Nothing => {}
+                Event::Nothing => {}
             }
         }
         let names = |is_seen: bool| {
@@ -98,26 +98,26 @@ impl Bench {
     ///
     /// # Errors
     /// A role of its own that has ended.
-    pub(super) fn look(&mut self) -> Result<Look, ToolError> {
-        if let Some(look) = self.waiting()? {
-            return Ok(look);
+    pub(super) fn next_event(&mut self) -> Result<Event, ToolError> {
+        if let Some(event) = self.waiting()? {
+            return Ok(event);
         }
         if let Some(roles) = &mut self.roles {
             roles.running.iter_mut().try_for_each(Running::check)?;
         }
         let wake = self.node.wait(&mut [&mut self.detections], WAIT)?;
-        Ok(if wake == Wake::Stop { Look::Stop } else { Look::Nothing })
+        Ok(if wake == Wake::Stop { Event::Stop } else { Event::Nothing })
     }
 
     /// What has come and was not looked at, without waiting.
     ///
     /// # Errors
     /// The station's shared memory.
-    pub(super) fn waiting(&mut self) -> Result<Option<Look>, ToolError> {
+    pub(super) fn waiting(&mut self) -> Result<Option<Event>, ToolError> {
         let message = self.detections.take()?;
         Ok(message.map(|message| match message.flags & flag::END_OF_STREAM {
-            0 => Look::Frame(Box::new(wire::detections::to_core(&message))),
-            _ => Look::End,
+            0 => Event::Frame(Box::new(wire::detections::to_core(&message))),
+            _ => Event::End,
         }))
     }
 

@@ -12,10 +12,10 @@ use andon_core::config::Method;
 use andon_host::atomic::folder_of;
 use andon_host::config::Config;
 use andon_learn::run::Run;
-use andon_learn::seen::Seen;
+use andon_learn::run_summary::RunSummary;
 use tempfile::NamedTempFile;
 
-use super::bench::{Bench, Look};
+use super::bench::{Bench, Event};
 use crate::cli::Teach;
 use crate::recorder::{Recorder, header};
 use crate::tool::runs::file_name;
@@ -97,33 +97,33 @@ impl Showing<'_> {
         // A film that has come to its end has nothing more to show.
         let mut is_last = false;
         loop {
-            match bench.look()? {
-                Look::Frame(frame) => {
+            match bench.next_event()? {
+                Event::Frame(frame) => {
                     if !recorder.write(*frame)? {
                         // The film of the station begins again.
                         break;
                     }
                 }
-                Look::End => {
+                Event::End => {
                     is_last = true;
                     break;
                 }
-                Look::Stop => return Ok(Next::End(End::GivenUp)),
-                Look::Nothing => {}
+                Event::Stop => return Ok(Next::End(End::GivenUp)),
+                Event::Nothing => {}
             }
             match self.input.line() {
                 None => {}
-                Some(Line::Text(text)) if text == "q" => return Ok(Next::End(End::GivenUp)),
-                Some(Line::Text(text)) if text == "d" => return Ok(Next::Run),
-                Some(Line::Text(_)) => {
+                Some(Typed::Text(text)) if text == "q" => return Ok(Next::End(End::GivenUp)),
+                Some(Typed::Text(text)) if text == "d" => return Ok(Next::Run),
+                Some(Typed::Text(_)) => {
                     // What came before the answer belongs to the run.
-                    while let Some(Look::Frame(frame)) = bench.waiting()? {
+                    while let Some(Event::Frame(frame)) = bench.waiting()? {
                         recorder.write(*frame)?;
                     }
                     break;
                 }
-                // A run that nobody has ended is none.
-                Some(Line::End) => return Ok(Next::End(End::Teach)),
+                // A run that nobody has ended does not count.
+                Some(Typed::End) => return Ok(Next::End(End::Teach)),
             }
         }
         recorder.finish()?;
@@ -150,29 +150,29 @@ impl Showing<'_> {
         let name = format!("run {number}");
         let run = Run::read(&name, &bytes, &method)
             .map_err(|source| ToolError::Run { path: name.clone().into(), source })?;
-        let seen = Seen::of(&run, &method);
+        let summary = RunSummary::of(&run, &method);
         let lost = if lost > 0 {
             format!("; {lost} frames were lost, because the machine is too busy")
         } else {
             String::new()
         };
-        say(&format!("  {name}: {seen}{lost}"));
-        if seen.steps.is_empty() {
+        say(&format!("  {name}: {summary}{lost}"));
+        if summary.steps.is_empty() {
             say("  not kept: there is nothing to learn from it");
         }
-        Ok(!seen.steps.is_empty())
+        Ok(!summary.steps.is_empty())
     }
 
     /// Asks whether a run is kept.
     fn ask(&mut self, bench: &mut Bench, part: NamedTempFile) -> Result<Next, ToolError> {
         say(QUESTION);
         loop {
-            if matches!(bench.look()?, Look::Stop) {
+            if matches!(bench.next_event()?, Event::Stop) {
                 return Ok(Next::End(End::GivenUp));
             }
             let Some(line) = self.input.line() else { continue };
             match line {
-                Line::Text(text) => match text.as_str() {
+                Typed::Text(text) => match text.as_str() {
                     "" | "k" => self.keep(part)?,
                     "d" => say("  dropped"),
                     "t" => {
@@ -185,7 +185,7 @@ impl Showing<'_> {
                         continue;
                     }
                 },
-                Line::End => {
+                Typed::End => {
                     say("  dropped, because nobody has kept it");
                     return Ok(Next::End(End::Teach));
                 }
@@ -214,7 +214,7 @@ impl Showing<'_> {
 }
 
 /// What a person answers.
-enum Line {
+enum Typed {
     Text(String),
     /// Nobody answers any more.
     End,
@@ -235,11 +235,11 @@ impl Input {
     }
 
     /// The next line, if there is one.
-    fn line(&self) -> Option<Line> {
+    fn line(&self) -> Option<Typed> {
         match self.0.recv_timeout(Duration::ZERO) {
-            Ok(text) => Some(Line::Text(text)),
+            Ok(text) => Some(Typed::Text(text)),
             Err(RecvTimeoutError::Timeout) => None,
-            Err(RecvTimeoutError::Disconnected) => Some(Line::End),
+            Err(RecvTimeoutError::Disconnected) => Some(Typed::End),
         }
     }
 }

@@ -3,10 +3,10 @@
 
 mod bench;
 mod live;
+mod missing_parts;
 mod next;
 mod number;
 mod sources;
-mod unseen;
 
 pub use sources::SourceError;
 
@@ -89,14 +89,17 @@ fn learn(
             run.name
         );
     }
-    let unseen = unseen::parts(&runs);
+    let missing = missing_parts::of(&runs);
     let (job, report) =
-        teach(&runs, &options).map_err(|nothing| unseen::explain(&unseen, recordings, nothing))?;
+        teach(&runs, &options).map_err(|nothing| missing_parts::explain(&missing, recordings, nothing))?;
     // Before the report is printed: who reads its first line only, as with `head`, ends the process.
     let written = write(arguments, &job, &report);
     println!("{report}");
-    if !unseen.is_empty() {
-        eprintln!("note: the job was learned without all parts: {}", unseen::words(&unseen, recordings));
+    if !missing.is_empty() {
+        eprintln!(
+            "note: the job was learned without all parts: {}",
+            missing_parts::words(&missing, recordings)
+        );
     }
     print!("{}", written?);
     if !(report.is_trusted() || arguments.force) {

@@ -26,7 +26,7 @@ fn neighbours(out: &Path, config: &Config) -> Vec<(PathBuf, u32)> {
     if !is_same(beside, station) {
         folders.push(station);
     }
-    // A folder that cannot be read has no job that this one could be taken for, and neither has a file that is none.
+    // A folder that cannot be read has no job that this one could be taken for, and neither has a file of another kind.
     let files = folders.into_iter().flat_map(|folder| role::job_files(folder).unwrap_or_default());
     let files = files.chain(config.station.job.clone()).filter(|path| !is_same(path, out));
     files.filter_map(|path| role::read_job(&path).ok().map(|job| (path, job.id))).collect()

@@ -6,7 +6,7 @@ use crate::Error;
 use crate::clip::{Change, Clip};
 use crate::truth::Truth;
 use andon_perception::config::{HandsConfig, MarkersConfig, ThreadsConfig};
-use andon_perception::sight::{Expected, Look, Sight, Trouble};
+use andon_perception::sight::{Expected, Observation, SightMonitor, Trouble};
 use andon_perception::{Dictionary, ImageView, Perceiver, PerceptionConfig, PixelFormat};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -32,7 +32,7 @@ pub(super) fn play(path: &Path, case: &Case, runtime: &Path) -> Result<Said, Err
         }
         _ => None,
     };
-    let mut sight = Sight::new(Expected { rate_hz: None, hands: true, is_calibrated: true });
+    let mut sight = SightMonitor::new(Expected { rate_hz: None, hands: true, is_calibrated: true });
     let mut said = play.nothing_said();
     let mut dropped = 0;
     while let Some(picture) = play.next()? {
@@ -45,7 +45,10 @@ pub(super) fn play(path: &Path, case: &Case, runtime: &Path) -> Result<Said, Err
             _ => &mut station,
         };
         let seen = perceiver.perceive(picture.image, picture.at_ns)?;
-        said.note(sight.step(&Look::new(&seen, std::mem::take(&mut dropped))), picture.at_ns as f64 / 1e9);
+        said.note(
+            sight.step(&Observation::new(&seen, std::mem::take(&mut dropped))),
+            picture.at_ns as f64 / 1e9,
+        );
     }
     Ok(said)
 }

@@ -34,7 +34,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::super::summary::Piece;
     use super::*;
-    use crate::tool::known::KnownJobs;
+    use crate::tool::known_jobs::KnownJobs;
     use andon_core::verdict::Outcome;
     use andon_host::config::Config;
 

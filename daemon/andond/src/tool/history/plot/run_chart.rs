@@ -205,7 +205,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::super::super::summary::Piece;
     use super::*;
-    use crate::tool::known::KnownJobs;
+    use crate::tool::known_jobs::KnownJobs;
     use andon_host::config::Config;
 
     fn points(outcomes: &[Outcome]) -> Points {

@@ -9,7 +9,7 @@ use std::fmt;
 
 /// What was seen in one run. `Display` says it in one line.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Seen {
+pub struct RunSummary {
     /// From the first frame to the last, in seconds.
     pub duration_s: f64,
     /// Frames per second, from the median time between two of them.
@@ -22,7 +22,7 @@ pub struct Seen {
     pub has_hands: bool,
 }
 
-impl Seen {
+impl RunSummary {
     /// Looks at a run that was read with this method.
     pub fn of(run: &Run, method: &Method) -> Self {
         // Where the station does not say where parts are touched, the run shows it.
@@ -55,7 +55,7 @@ fn seconds(from_ns: u64, to_ns: u64) -> f64 {
     to_ns.saturating_sub(from_ns) as f64 * 1e-9
 }
 
-impl fmt::Display for Seen {
+impl fmt::Display for RunSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:.1} s at {:.0} frames a second: ", self.duration_s, self.rate_hz)?;
         let steps: Vec<String> =

@@ -1,4 +1,4 @@
-//! JSON lines on the line's own watch, between those of its verdicts.
+//! JSON lines on the times in which nobody watched, between those of the verdicts.
 
 use andon_ipc::UtcTime;
 use serde::Serialize;
@@ -9,7 +9,7 @@ use crate::sight::{self, SightChange};
 /// A time in which nobody watched the bench. Its `kind` tells it from a verdict; times are nanoseconds since 1970, UTC.
 #[derive(Debug, Serialize)]
 #[serde(tag = "kind")]
-pub(crate) enum WatchLine {
+pub(crate) enum NotWatchingLine {
     /// The line stopped seeing its bench, or sees it again: `sight` is then `Clear`, without code, meaning and remedy.
     Sight {
         utc_ns: u64,
@@ -22,7 +22,7 @@ pub(crate) enum WatchLine {
     Outage { role: &'static str, began_utc_ns: u64, ended_utc_ns: Option<u64> },
 }
 
-impl WatchLine {
+impl NotWatchingLine {
     /// The line of a change at this time.
     pub(crate) fn of_sight(change: SightChange, at: UtcTime) -> Self {
         let code = change.now.and_then(sight::code);

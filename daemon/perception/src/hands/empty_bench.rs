@@ -1,7 +1,7 @@
-//! Whether a bench without hands rests: its picture has stayed as it was when no hand was found in it.
+//! Whether a bench without hands is unchanged: its picture has stayed as it was when no hand was found in it.
 //!
 //! Such a bench is searched in every tenth frame, and at once when a 768th part of its picture changes by 1.5 grey levels. An empty bench
-//! takes 0.08 of a core at 30 Hz then, and took 0.24. A followed hand is looked at in every frame: its picture rests in only 3 to 8 % of
+//! takes 0.08 of a core at 30 Hz then, and took 0.24. A followed hand is looked at in every frame: its picture is unchanged in only 3 to 8 % of
 //! the clips' frames.
 
 use crate::image::ImageView;
@@ -19,14 +19,14 @@ const EMPTY_SEARCHES: u32 = 10;
 
 /// What a bench without hands looks like.
 #[derive(Default)]
-pub(super) struct Rest {
+pub(super) struct EmptyBench {
     /// Means of the blocks of the picture that was searched last, row by row.
     searched: Vec<f32>,
     /// Searches since the picture changed.
     empty_searches: u32,
 }
 
-impl Rest {
+impl EmptyBench {
     /// Takes a picture in which a search has found no hand.
     pub(super) fn found_nothing(&mut self, image: &ImageView<'_>) {
         let means = means(image);
@@ -35,12 +35,12 @@ impl Rest {
     }
 
     /// There is a hand.
-    pub(super) fn end(&mut self) {
+    pub(super) fn has_hand(&mut self) {
         self.empty_searches = 0;
     }
 
     /// Whether this picture still shows what was searched in vain.
-    pub(super) fn lasts(&self, image: &ImageView<'_>) -> bool {
+    pub(super) fn is_unchanged(&self, image: &ImageView<'_>) -> bool {
         self.empty_searches >= EMPTY_SEARCHES && is_same(&means(image), &self.searched)
     }
 }

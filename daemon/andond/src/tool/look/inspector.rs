@@ -15,7 +15,7 @@ use crate::{perception, wire};
 
 /// What one picture showed.
 #[derive(Clone)]
-pub(super) struct Glance {
+pub(super) struct Inspection {
     /// What the line sees in it.
     pub(super) seen: Detections,
     /// How well it can be seen.
@@ -32,7 +32,7 @@ pub(super) struct Glance {
     pub(super) foreign: usize,
 }
 
-impl Glance {
+impl Inspection {
     /// How much it shows: markers and hands.
     pub(super) fn shows(&self) -> usize {
         let parts = self.seen.objects().iter().filter(|object| object.flags & flag::SEEN != 0).count();
@@ -68,7 +68,7 @@ struct Part {
 }
 
 /// Follows one source.
-pub(super) struct Eye {
+pub(super) struct Inspector {
     perceiver: Perceiver,
     finder: MarkerFinder,
     parts: Vec<Part>,
@@ -84,7 +84,7 @@ fn part(object: &Object) -> Option<Part> {
 /// In so many pictures it shows whether they are mirrored or inverted.
 const ODD_PICTURES: usize = 10;
 
-impl Eye {
+impl Inspector {
     /// Where the hands come with the pictures, no hand is looked for.
     pub(super) fn new(config: &Config, has_hands: bool) -> Result<Self, ToolError> {
         let mut config = config.clone();
@@ -103,7 +103,7 @@ impl Eye {
         })
     }
 
-    pub(super) fn glance(&mut self, view: &View<'_>) -> Result<Glance, ToolError> {
+    pub(super) fn inspect(&mut self, view: &View<'_>) -> Result<Inspection, ToolError> {
         let (width, height) = (view.format.width as usize, view.format.height as usize);
         let image = ImageView::new(width, height, width * 3, PixelFormat::Bgr8, view.picture);
         let image = image.map_err(RecordingError::from)?;
@@ -123,7 +123,7 @@ impl Eye {
         let missing: Vec<u16> = self.parts.iter().filter(is_missing).map(|part| part.marker).collect();
         let odd = self.odd(&missing, view)?;
         let (picture, foreign) = (perceived.picture, perceived.foreign_markers);
-        Ok(Glance { seen, picture, twice, odd, hands, others, foreign })
+        Ok(Inspection { seen, picture, twice, odd, hands, others, foreign })
     }
 
     /// Those of the missing markers that a mirrored picture shows, and an inverted one.
@@ -152,21 +152,21 @@ impl Eye {
         &self,
         format: PictureFormat,
         picture: &[u8],
-        glance: &Glance,
+        inspection: &Inspection,
     ) -> Result<Vec<u8>, ToolError> {
         let parts = self.parts.iter().filter_map(|Part { id, name, .. }| {
-            let corners_px = glance.part(*id)?;
+            let corners_px = inspection.part(*id)?;
             let side = side_px(&corners_px);
             let words = format!("{name} {side:.0} px");
             Some(Marked { corners_px, words, is_doubtful: side.round() < self.needed_px })
         });
-        let others = glance.others.iter().map(|marker| Marked {
+        let others = inspection.others.iter().map(|marker| Marked {
             corners_px: marker.corners,
             words: format!("marker {}, no part", marker.id),
             is_doubtful: true,
         });
         let marked: Vec<Marked> = parts.chain(others).collect();
-        with_seen(format, picture, &marked, &glance.seen)
+        with_seen(format, picture, &marked, &inspection.seen)
             .map_err(|error| ToolError::Annotate(crate::picture::AnnotateError::OpenCv(error)))
     }
 }

@@ -18,7 +18,7 @@ const MOVED_M: f32 = 0.02;
 
 /// Everything that the frames of a recording show.
 #[derive(Clone, Debug, Default)]
-pub struct Seen {
+pub struct RecordedVisibility {
     /// The time from one frame to the next, in nanoseconds.
     pub frame_ns: u64,
     /// For how long what is hidden is assumed to be where it was, in nanoseconds.
@@ -52,7 +52,7 @@ struct Stretch {
     ended_ns: u64,
 }
 
-impl Seen {
+impl RecordedVisibility {
     /// Nothing yet of these hands and parts.
     pub fn new(hands: &[Side], parts: impl Iterator<Item = u16>, frame_ns: u64, blind_ns: u64) -> Self {
         let hands = hands.iter().map(|side| What::Hand(*side));
@@ -187,8 +187,8 @@ mod tests {
     const FRAME_NS: u64 = 33_333_333;
 
     /// A recording of 90 frames, in which this hand and this part are seen where these say so.
-    fn seen(hand: impl Fn(u64) -> bool, part_x: impl Fn(u64) -> Option<f32>) -> Seen {
-        let mut seen = Seen::new(&[Side::Right], [6].into_iter(), FRAME_NS, 700_000_000);
+    fn seen(hand: impl Fn(u64) -> bool, part_x: impl Fn(u64) -> Option<f32>) -> RecordedVisibility {
+        let mut seen = RecordedVisibility::new(&[Side::Right], [6].into_iter(), FRAME_NS, 700_000_000);
         for number in 0..90 {
             let mut frame = Frame { captured_ns: number * FRAME_NS, ..Frame::default() };
             if hand(number) {
@@ -210,7 +210,7 @@ mod tests {
         Axis { began_ns: 0, ended_ns: 90 * FRAME_NS }
     }
 
-    fn looks(seen: &Seen, track: usize) -> Vec<&'static str> {
+    fn looks(seen: &RecordedVisibility, track: usize) -> Vec<&'static str> {
         seen.stretches(&seen.tracks[track], &axis()).iter().map(|stretch| stretch.look.1).collect()
     }
 
@@ -228,7 +228,7 @@ mod tests {
 
     #[test]
     fn what_is_seen_in_one_frame_only_is_drawn_as_a_dot() {
-        let draw = |seen: &Seen| {
+        let draw = |seen: &RecordedVisibility| {
             let mut out = String::new();
             let long = Axis { began_ns: 0, ended_ns: 900 * FRAME_NS };
             seen.draw(&mut out, &Names::new([(6, "brick".to_owned())]), &long, 0.0);

@@ -1,4 +1,4 @@
-//! Looks at one hand.
+//! The landmarks of one hand in a region of the picture.
 
 use super::models::{LandmarkModel, Landmarks};
 use super::region::Region;
@@ -14,15 +14,15 @@ const SURE_OF_SIDE: f32 = 0.8;
 /// the model sees.
 const NEARER: [f32; 2] = [0.9, 0.8];
 
-/// Looks with a model of its own, so that two hands are looked at side by side.
-pub(super) struct Look<L> {
+/// Has a model of its own, so that two hands are looked at side by side.
+pub(super) struct Landmarker<L> {
     model: L,
     /// Minimum probability that there is a hand, 0..1.
     min_presence: f32,
     spent_ns: u64,
 }
 
-impl<L: LandmarkModel> Look<L> {
+impl<L: LandmarkModel> Landmarker<L> {
     pub(super) fn new(model: L, min_presence: f32) -> Self {
         Self { model, min_presence, spent_ns: 0 }
     }

@@ -24,7 +24,7 @@ impl SeenMarker {
 
 /// What was seen in one picture.
 #[derive(Clone, Debug)]
-pub struct Look {
+pub struct Observation {
     /// When it was captured, in nanoseconds of the capturing clock.
     pub at_ns: u64,
     /// Pictures before this one that were not processed.
@@ -41,7 +41,7 @@ pub struct Look {
     pub hands_px: heapless::Vec<[[f32; 2]; LANDMARKS], HANDS>,
 }
 
-impl Look {
+impl Observation {
     /// What the detections of a frame say. `dropped` are the frames before it that were not processed.
     pub fn new(seen: &Detections, dropped: u32) -> Self {
         let marker = |object: &ObjectDetection| SeenMarker { id: object.id, corners: object.corners_px };

@@ -29,7 +29,7 @@ enum Change {
 }
 
 /// Collects begins and ends from the health of the roles.
-pub(super) struct Watching {
+pub(super) struct NotWatching {
     /// The journal's own role, whose outages no other role reports.
     own: Alive,
     outages: Outages,
@@ -41,7 +41,7 @@ pub(super) struct Watching {
     rows: HashMap<Cause, OpenRow>,
 }
 
-impl Watching {
+impl NotWatching {
     pub(super) fn new(config: &Config) -> Self {
         Self {
             own: Alive::new(config),

@@ -9,7 +9,7 @@ use crate::recording::Recording;
 use crate::tool::ToolError;
 
 /// The id and the name of each part that is in no frame of any run.
-pub(super) fn parts(runs: &[Run]) -> Vec<(u16, String)> {
+pub(super) fn of(runs: &[Run]) -> Vec<(u16, String)> {
     let objects = runs.first().map_or(&[][..], |run| &run.objects);
     let unseen = objects.iter().filter(|object| !runs.iter().any(|run| run.shows(object.shape.id)));
     unseen.map(|object| (object.shape.id, object.name.clone())).collect()

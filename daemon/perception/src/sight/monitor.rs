@@ -1,7 +1,7 @@
 //! Follows the measures of the pictures, and what was seen in them.
 
 use super::camera::Camera;
-use super::look::{Look, distance};
+use super::observation::{Observation, distance};
 use crate::detections::OBJECTS;
 use crate::picture::{CELLS, Picture};
 use std::collections::VecDeque;
@@ -87,7 +87,7 @@ pub struct Expected {
 }
 
 /// Follows one camera.
-pub struct Sight {
+pub struct SightMonitor {
     expected: Expected,
     baseline: Baseline,
     stillness: Stillness,
@@ -101,7 +101,7 @@ pub struct Sight {
     current: Option<Spell>,
 }
 
-impl Sight {
+impl SightMonitor {
     /// Nothing has been seen.
     pub fn new(expected: Expected) -> Self {
         Self {
@@ -119,17 +119,17 @@ impl Sight {
 
     /// Takes the next picture and gives the trouble that lasts, if there is one. The first one stays for as long as it lasts: it is the
     /// cause, and others follow from it.
-    pub fn step(&mut self, look: &Look) -> Option<Spell> {
-        self.stillness.step(look);
-        self.rate.step(look, self.expected.rate_hz);
-        self.work.step(look);
-        self.camera.step(look);
-        let shows = Trouble::ALL.map(|trouble| self.shows(trouble, look));
+    pub fn step(&mut self, observation: &Observation) -> Option<Spell> {
+        self.stillness.step(observation);
+        self.rate.step(observation, self.expected.rate_hz);
+        self.work.step(observation);
+        self.camera.step(observation);
+        let shows = Trouble::ALL.map(|trouble| self.shows(trouble, observation));
         for ((sign, trouble), since_ns) in self.signs.iter_mut().zip(Trouble::ALL).zip(shows) {
-            sign.step(trouble, since_ns, look.at_ns);
+            sign.step(trouble, since_ns, observation.at_ns);
         }
         if shows.iter().all(Option::is_none) {
-            self.baseline.learn(look);
+            self.baseline.learn(observation);
         }
         let spell = |trouble: Trouble| {
             self.signs[trouble as usize].believed_ns.map(|since_ns| Spell { trouble, since_ns })
@@ -165,21 +165,21 @@ impl Sight {
     }
 
     /// Since when the picture shows this; `None` where it does not.
-    fn shows(&self, trouble: Trouble, look: &Look) -> Option<u64> {
-        let Look { at_ns, picture, .. } = look;
+    fn shows(&self, trouble: Trouble, observation: &Observation) -> Option<u64> {
+        let Observation { at_ns, picture, .. } = observation;
         let now = |shows: bool| shows.then_some(*at_ns);
         let is_uniform = picture.black > FULL || picture.white > FULL;
-        let finds_nothing = look.markers.is_empty() && look.hands == 0;
+        let finds_nothing = observation.markers.is_empty() && observation.hands == 0;
         match trouble {
             Trouble::Frozen => self.stillness.frozen_since_ns(),
             Trouble::Black => now(picture.black > FULL && finds_nothing),
             Trouble::White => now(picture.white > FULL && finds_nothing),
             Trouble::Covered => now(!is_uniform && finds_nothing && self.baseline.is_gone(picture)),
-            Trouble::Blurred => now(!is_uniform && self.baseline.is_blurred(look)),
-            Trouble::Noisy => now(picture.noise > NOISE && look.hands == 0),
+            Trouble::Blurred => now(!is_uniform && self.baseline.is_blurred(observation)),
+            Trouble::Noisy => now(picture.noise > NOISE && observation.hands == 0),
             Trouble::CameraMoved => self.camera.moved_since_ns(),
             Trouble::TooFewFrames => self.rate.slow_since_ns(),
-            Trouble::NoMarkers => now(self.work.is_without_markers(look)),
+            Trouble::NoMarkers => now(self.work.is_without_markers(observation)),
             Trouble::NoHands => self.work.handless_since_ns().filter(|_| self.expected.hands),
         }
     }
@@ -254,21 +254,21 @@ const BLUR: f32 = 0.6;
 const MARKERS_LEFT: f32 = 0.5;
 
 impl Baseline {
-    fn learn(&mut self, look: &Look) {
-        let has_lost_edges = self.has_lost_edges(&look.picture);
+    fn learn(&mut self, observation: &Observation) {
+        let has_lost_edges = self.has_lost_edges(&observation.picture);
         self.pictures = self.pictures.saturating_add(1);
         // The first pictures count alike.
         let weight = LEARNING.max(1.0 / self.pictures as f32);
         let blend = |mean: &mut f32, now: f32| *mean += weight * (now - *mean);
-        blend(&mut self.edges, look.picture.edges);
-        blend(&mut self.markers, look.markers.len() as f32);
-        if let Some(sharpness) = look.picture.sharpness {
+        blend(&mut self.edges, observation.picture.edges);
+        blend(&mut self.markers, observation.markers.len() as f32);
+        if let Some(sharpness) = observation.picture.sharpness {
             blend(self.sharpness.get_or_insert(sharpness), sharpness);
         }
         // Of a bench that was cleared it is learnt first that it has no edges. Only then is learnt what else it is like without its parts.
         if !has_lost_edges {
-            blend(&mut self.patches, look.picture.patches);
-            let now = look.picture.cells.as_flattened();
+            blend(&mut self.patches, observation.picture.patches);
+            let now = observation.picture.cells.as_flattened();
             for (usual, now) in self.cells.as_flattened_mut().iter_mut().zip(now) {
                 blend(usual, f32::from(*now));
             }
@@ -297,9 +297,9 @@ impl Baseline {
     }
 
     /// Whether markers are lost because edges are wider than usual, or so wide that none is left that is narrow.
-    fn is_blurred(&self, look: &Look) -> bool {
-        let has_lost_markers = (look.markers.len() as f32) < MARKERS_LEFT * self.markers;
-        let Look { picture, .. } = look;
+    fn is_blurred(&self, observation: &Observation) -> bool {
+        let has_lost_markers = (observation.markers.len() as f32) < MARKERS_LEFT * self.markers;
+        let Observation { picture, .. } = observation;
         let is_wider = self.sharpness.zip(picture.sharpness).is_some_and(|(usual, now)| now < BLUR * usual);
         let is_out_of_focus =
             self.has_lost_edges(picture) && picture.patches > MIN_PATCHES.max(PATCHES_LEFT * self.patches);
@@ -334,18 +334,18 @@ const FROZEN_S: f32 = 1.5;
 const STILL_FACTOR: f32 = 4.0;
 
 impl Stillness {
-    fn step(&mut self, look: &Look) {
-        let fingerprint = Some(look.picture.fingerprint);
+    fn step(&mut self, observation: &Observation) {
+        let fingerprint = Some(observation.picture.fingerprint);
         self.repeats = self.fingerprint == fingerprint;
         if !self.repeats {
             // A picture that was frozen is no example.
             if self.frozen_since_ns().is_none() {
                 self.usual_s = self.usual_s.max(self.still_s);
             }
-            (self.fingerprint, self.since_ns) = (fingerprint, look.at_ns);
+            (self.fingerprint, self.since_ns) = (fingerprint, observation.at_ns);
             self.changes = self.changes.saturating_add(1);
         }
-        self.still_s = look.at_ns.saturating_sub(self.since_ns) as f32 / S;
+        self.still_s = observation.at_ns.saturating_sub(self.since_ns) as f32 / S;
     }
 
     fn frozen_since_ns(&self) -> Option<u64> {
@@ -391,10 +391,10 @@ const ENOUGH_OF_NEEDED: f32 = 0.95;
 const ENOUGH_OF_NEEDED_AGAIN: f32 = 0.98;
 
 impl Rate {
-    fn step(&mut self, look: &Look, rate_hz: Option<f32>) {
-        let began_ns = *self.began_ns.get_or_insert(look.at_ns);
-        let seconds = |from_ns: u64| look.at_ns.saturating_sub(from_ns) as f32 / S;
-        self.recent.push_back((look.at_ns, look.dropped));
+    fn step(&mut self, observation: &Observation, rate_hz: Option<f32>) {
+        let began_ns = *self.began_ns.get_or_insert(observation.at_ns);
+        let seconds = |from_ns: u64| observation.at_ns.saturating_sub(from_ns) as f32 / S;
+        self.recent.push_back((observation.at_ns, observation.dropped));
         while self.recent.get(1).is_some_and(|(at_ns, _)| seconds(*at_ns) > RATE_OVER_S) {
             self.recent.pop_front();
         }
@@ -412,7 +412,7 @@ impl Rate {
             None => [ENOUGH, ENOUGH_AGAIN].map(|share| share * expected_hz),
         };
         let is_slow = processed_hz < self.slow_since_ns.map_or(enough, |_| again);
-        self.slow_since_ns = is_slow.then(|| self.slow_since_ns.unwrap_or(look.at_ns));
+        self.slow_since_ns = is_slow.then(|| self.slow_since_ns.unwrap_or(observation.at_ns));
     }
 
     fn slow_since_ns(&self) -> Option<u64> {
@@ -420,7 +420,7 @@ impl Rate {
     }
 }
 
-/// Where the markers of a look are, by their ids.
+/// Where the markers of an observation are, by their ids.
 type Places = heapless::Vec<(u16, [f32; 2]), OBJECTS>;
 
 /// Whether markers and hands come together.
@@ -430,7 +430,7 @@ struct Work {
     previous_ns: Option<u64>,
     /// Time with hands and without any marker so far, in seconds.
     hands_alone_s: f32,
-    /// The newest looks: when, and where each marker was.
+    /// The newest observations: when, and where each marker was.
     recent: VecDeque<(u64, Places)>,
     /// Time for which parts have moved since a hand was last seen, in seconds, and since when.
     moving_s: f32,
@@ -452,33 +452,33 @@ const FORGET_S: f32 = 5.0;
 const MAX_STEP_S: f32 = 0.1;
 
 impl Work {
-    fn step(&mut self, look: &Look) {
-        let since = |from_ns: u64| look.at_ns.saturating_sub(from_ns) as f32 / S;
+    fn step(&mut self, observation: &Observation) {
+        let since = |from_ns: u64| observation.at_ns.saturating_sub(from_ns) as f32 / S;
         let step_s = self.previous_ns.map_or(0.0, since).min(MAX_STEP_S);
-        self.previous_ns = Some(look.at_ns);
-        self.has_seen_markers |= !look.markers.is_empty();
-        if look.hands > 0 {
+        self.previous_ns = Some(observation.at_ns);
+        self.has_seen_markers |= !observation.markers.is_empty();
+        if observation.hands > 0 {
             self.hands_alone_s += step_s;
             self.moving_s = 0.0;
         }
-        let moving = self.moving(look);
+        let moving = self.moving(observation);
         // One or two parts: where all move at once, the camera or the bench does.
-        if look.hands == 0 && moving > 0 && (moving < look.markers.len() || moving == 1) {
+        if observation.hands == 0 && moving > 0 && (moving < observation.markers.len() || moving == 1) {
             if self.moving_s == 0.0 {
-                self.moving_since_ns = Some(look.at_ns);
+                self.moving_since_ns = Some(observation.at_ns);
             }
             self.moving_s += step_s;
-            self.newest_move_ns = look.at_ns;
+            self.newest_move_ns = observation.at_ns;
         } else if since(self.newest_move_ns) > FORGET_S {
             self.moving_s = 0.0;
         }
     }
 
     /// Number of markers that have moved lately. One that was out of sight for longer was moved when nobody saw.
-    fn moving(&mut self, look: &Look) -> usize {
-        let age_s = |at_ns: u64| look.at_ns.saturating_sub(at_ns) as f32 / S;
+    fn moving(&mut self, observation: &Observation) -> usize {
+        let age_s = |at_ns: u64| observation.at_ns.saturating_sub(at_ns) as f32 / S;
         // With few pictures per second, the one before is all there is to compare with.
-        let reach_s = |looks: usize| if looks > 1 { MOVE_S } else { 2.0 * MOVE_S };
+        let reach_s = |observations: usize| if observations > 1 { MOVE_S } else { 2.0 * MOVE_S };
         while self.recent.front().is_some_and(|(at_ns, _)| age_s(*at_ns) > reach_s(self.recent.len())) {
             self.recent.pop_front();
         }
@@ -486,14 +486,14 @@ impl Work {
             let mut before = self.recent.iter().flat_map(|(_, places)| places);
             before.any(|(known, was)| known == id && distance(*place, *was) > MOVED)
         };
-        let places: Places = look.markers.iter().map(|marker| (marker.id, marker.place())).collect();
+        let places: Places = observation.markers.iter().map(|marker| (marker.id, marker.place())).collect();
         let moving = places.iter().filter(|place| has_moved(place)).count();
-        self.recent.push_back((look.at_ns, places));
+        self.recent.push_back((observation.at_ns, places));
         moving
     }
 
-    fn is_without_markers(&self, look: &Look) -> bool {
-        !self.has_seen_markers && (look.foreign_markers > 0 || self.hands_alone_s > HANDS_ALONE_S)
+    fn is_without_markers(&self, observation: &Observation) -> bool {
+        !self.has_seen_markers && (observation.foreign_markers > 0 || self.hands_alone_s > HANDS_ALONE_S)
     }
 
     fn handless_since_ns(&self) -> Option<u64> {
