@@ -532,9 +532,7 @@ fn what_moves_with_a_hand_is_in_it_within_reach_or_within_a_hands_width_of_how_i
     assert!(is_box_first, "what a hand is at is what it acts on: {beside:?}");
     let mut shown = shapes(&[TOOL]);
     let _ = shown[0].contact_regions.push(met(ContactRegion::HAND, [0.0, 0.0, 0.0], 0.03));
-    let held = |metres: f32| {
-        just_contexts(&encode_shapes(&shown, &held_at(metres, &[]).frames), Side::Right)
-    };
+    let held = |metres: f32| just_contexts(&encode_shapes(&shown, &held_at(metres, &[]).frames), Side::Right);
     assert_eq!(held(0.08), [[1, TOOL, 0, 0]]);
     assert_eq!(held(0.12), [[0; 4]; 0], "nobody holds it so far from where the runs have shown");
 }

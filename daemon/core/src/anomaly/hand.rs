@@ -2,6 +2,7 @@
 
 use super::activity::{OpenActivity, Step};
 use super::comparison::{ComparisonResult, Comparisons, Memory};
+use super::grip::LastIu;
 use super::hand_visibility::HandVisibility;
 use super::interrupted::Interrupted;
 use super::observation::IuObservation;
@@ -65,8 +66,8 @@ pub(super) struct HandJudge<'a, M> {
     pub(super) interrupted: Option<Interrupted>,
     /// Of the open activity, and of the doubt before it.
     pub(super) occlusions: OcclusionLog,
-    /// The context of the last of several IUs of its newest activity, if that is right and the job goes on.
-    pub(super) newest_done: Option<Context>,
+    /// The last IU of its newest activity, if that is not wrong and the job goes on.
+    pub(super) last_done: Option<LastIu>,
     /// Why its newest activity was not judged, of which the next one may be the remainder.
     pub(super) newest_unjudged: Option<Cause>,
     /// The couples have broken off.
@@ -107,7 +108,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             iu: None,
             interrupted: None,
             occlusions: OcclusionLog::new(side, method.period_ns()),
-            newest_done: None,
+            last_done: None,
             newest_unjudged: None,
             is_broken_off: false,
         }
@@ -337,9 +338,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let broken = activity.broken.filter(|_| outcome == Outcome::Anomaly && reason == Reason::WrongOrder);
         let measured = activity.measured.filter(|_| outcome == Outcome::Anomaly);
         progress.set_note(note);
-        let done = nominal.filter(|_| outcome == Outcome::Ok).map(|nominal| progress.job.activities[nominal].ius);
-        let last = done.filter(|ius| ius.len() > 1).and_then(|ius| ius.last());
-        self.newest_done = last.map(|iu| iu.context.by_hand(self.side));
+        let done = nominal.filter(|_| outcome != Outcome::Anomaly);
+        self.last_done = done.and_then(|nominal| LastIu::of(progress.job, nominal, self.side));
         self.newest_unjudged = (outcome == Outcome::NotJudged).then_some(Cause { reason, missing });
         match outcome {
             Outcome::Ok => {}

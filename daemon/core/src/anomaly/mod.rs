@@ -36,7 +36,8 @@
 //! falls; lengths and reversals have taught bounds, because DTW forgives a repeated motion that is cut short; and how long the hand rests at
 //! either end of an IU is not compared as motion ([`Job::has_free_ends`]), because DTW, which pairs ends with ends, would pair such a rest
 //! with motion in a run that has none. A hand that touches what an activity moves first, moves nothing and lets go has not begun it: no IU.
-//! A hand that lets go in the middle of an activity and takes the same part again goes on with the IU (`interrupted`).
+//! A hand that lets go in the middle of an activity and takes the same part again goes on with the IU (`interrupted`). One that takes again what it
+//! has put down, and lets go of it, puts it right (`grip`).
 //!
 //! # Doubt
 //!
@@ -480,13 +481,16 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
                     progress.doubt_start();
                 }
                 progress.begin(began_ns, is_start_seen, unseen_since_ns);
-                hands.iter_mut().for_each(|hand| hand.newest_done = None);
+                hands.iter_mut().for_each(|hand| hand.last_done = None);
                 if is_start_seen {
                     hands.iter_mut().for_each(|hand| hand.visibility.begin());
                 }
                 emit(Event::JobBegan { began_ns });
             }
             segment::Event::ActivityBegan { side, context, began_ns } => {
+                // What the other hand goes on with is not put right.
+                let other = &mut hands[side.other().index()];
+                other.last_done = other.last_done.filter(|last| last.context.0[1] != context.0[1]);
                 hands[side.index()].begin_activity(context, began_ns, progress);
             }
             segment::Event::IuBegan { side, .. } => {

@@ -1,7 +1,8 @@
 //! Whether one person showed all the runs, and how much people differ here. They differ from each other more than each does from time to
 //! time, so what one person does is less than what is right.
 //!
-//! Where names say who showed a run (`p3_...`), they count; else pace and lengths of strokes are compared. With five runs of one simulated
+//! Where names say who showed a run (`p3_...`), they count. Who works by feel differs from run to run as people do, so that counts as one person.
+//! Else pace and lengths of strokes are compared. With five runs of one simulated
 //! person 23 of 198 right jobs of others were accused without this room, and 1 with it.
 //!
 //! People who differ more than chance explains (1 %) count as varied as they may be at most (90 %). Runs that stand out are not learnt
@@ -42,8 +43,8 @@ const UPPER_CONFIDENCE: f64 = 0.9;
 /// What the runs tell of the people who showed them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct People {
-    /// How probable it is that one person showed all the runs. The names of the files say it (`p<person>_...`), or else the runs do by how they
-    /// agree. They are compared in their pace, in the length of their strokes and in their time at other parts. Both may be expected where nothing is
+    /// How probable it is that one person showed all the runs. The names of the files say it (`p<person>_...`). Without names work by feel counts as
+    /// that of one, and other runs say it by how they agree. They are compared in their pace, in the length of their strokes and in their time at other parts. Both may be expected where nothing is
     /// known.
     pub(super) one_person: f64,
     /// How many times as much as people in general they differ at most: 1 unless it is sure that it is more.

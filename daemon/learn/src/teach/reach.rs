@@ -12,8 +12,8 @@ use andon_core::config::Contact;
 use andon_core::couple::Context;
 use andon_core::object::ContactRegion;
 
-/// The shares of the missing reach that are tried, one after the other, if twice as much changes no run: the contact ends midway to where the parts
-/// lie apart. With all that changes no run a part that another run puts back somewhat nearer seems not to leave.
+/// The shares of the missing reach that are tried, one after the other. One is taken if twice as much changes no run either, so that the contact ends
+/// midway to where the parts lie apart. Else a part that another run puts back somewhat nearer would seem not to leave.
 const TRIED_SHARES: [f32; 3] = [1.0, 0.5, 0.25];
 
 /// The runs, with contacts that last for strokes of any right length where their people differ more than they do in general. It also has what they
@@ -33,7 +33,7 @@ pub(super) fn widened(
     let rates = Rates::new(options.bounds.false_alarms, people, agreement);
     let reaches: Vec<(Context, f32)> =
         agreement.ius().filter_map(|iu| Some((iu.context, reach_m(runs, iu, &rates)?))).collect();
-    let widened_by = |share: f32| {
+    let widened_objects = |share: f32| {
         let mut objects = runs[0].objects.clone();
         for (context, reach_m) in &reaches {
             widen(&mut objects, *context, *reach_m, share, options.method.object_contact);
@@ -41,15 +41,17 @@ pub(super) fn widened(
         (objects != runs[0].objects).then_some(objects)
     };
     let encoded = |objects: &[NamedObject]| -> Result<(Vec<Run>, Agreement), TeachError> {
-        let widened = encoded_with(objects, runs)?;
-        let agreed = agree(&widened, &Strengths::default());
-        Ok((widened, agreed))
+        let runs = encoded_with(objects, runs)?;
+        let agreed = agree(&runs, &Strengths::default());
+        Ok((runs, agreed))
     };
     for share in TRIED_SHARES {
-        let [Some(objects), Some(farther)] = [share, 2.0 * share].map(widened_by) else { break };
+        let [Some(objects), Some(farther)] = [share, 2.0 * share].map(widened_objects) else { break };
+        let wider = encoded(&objects)?;
         // Where parts lie near each other, they would seem to touch for longer.
-        if steps(&encoded(&farther)?.1).eq(steps(agreement)) {
-            return Ok(Some(encoded(&objects)?));
+        let is_alike = |of: &Agreement| steps(of).eq(steps(agreement));
+        if is_alike(&wider.1) && is_alike(&encoded(&farther)?.1) {
+            return Ok(Some(wider));
         }
     }
     Ok(None)

@@ -154,7 +154,7 @@ impl TeachReport {
 
     fn one_person(&self) -> Option<String> {
         (self.used() > 1 && self.one_person > 0.5).then(|| {
-            "the runs are as alike as those of one person, so other people are given more room: runs of other people would narrow it"
+            "one person seems to have shown the runs, so other people are given more room: if it was not one, begin their names with p1_, p2_ and so on"
                 .to_owned()
         })
     }

@@ -11,8 +11,8 @@
 //! After it has let go, a hand that rests there again makes no new contact until the part moves with it. A tracker with errors of 1 or 2 mm
 //! would else see the step begin once more.
 //!
-//! Nearness is how some people have been shown to hold an object, and others hold it elsewhere. What moves with one hand alone, and is within its
-//! reach, is in that hand wherever it is held.
+//! Nearness is how some people have been shown to hold an object, and others hold it elsewhere. What moves with one hand alone is in that hand if
+//! its finger tips are within a hand's width of where it was shown to be held, or within reach where nobody has shown it.
 
 use super::super::geometry::{dot, norm, subtract};
 use super::super::poses::Source;
@@ -71,8 +71,10 @@ impl Scene {
             for object in 0..self.objects.len() {
                 self.in_hand[hand][object] = self.next_in_hand(hand, object, age);
                 let is_held = self.in_hand[hand][object] == InHand::Yes;
-                let is_led = is_held
-                    && (self.led[hand].contains(object) || self.leads(hand, object, age) == Some(true));
+                let begins_led = || {
+                    !self.touches[hand][object].is_believed() && self.leads(hand, object, age) == Some(true)
+                };
+                let is_led = is_held && (self.led[hand].contains(object) || begins_led());
                 self.led[hand].set(object, is_led);
                 if self.in_hand[hand][object] == InHand::Unknown {
                     // The frame does not show what the hand acts on.
@@ -99,7 +101,9 @@ impl Scene {
             };
         }
         if !edge.is_believed() {
-            return if leads.is_none() { InHand::Unknown } else { InHand::No };
+            let may_be_held =
+                leads.is_none() || before == InHand::Unknown && self.stays_anywhere(hand, object, age);
+            return if may_be_held { InHand::Unknown } else { InHand::No };
         }
         if let InHand::Lingers { farthest_m } = before
             && edge.was_known(age, self.method.persist_frames)
@@ -114,21 +118,33 @@ impl Scene {
         }
     }
 
-    /// Whether the object moves with this hand within its reach, by more than errors, and with nothing else: the hand is at no other object, and the
-    /// other hand not at this one; `None` where that was not seen of the other hand.
+    /// Whether the object moves with this hand alone, within its reach and by more than errors. The hand acts on nothing else then, and the other
+    /// hand neither on this nor on what this touches. `None` where it may be the other hand that moves it.
     fn leads(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
-        let is_free = |other: usize| other == object || !self.touches[hand][other].is_believed();
+        let other_hand = 1 - hand;
+        let is_free = |other: usize| {
+            let is_together = || self.adjacent[object.min(other)][object.max(other)].is_believed();
+            other == object
+                || !self.touches[hand][other].is_believed()
+                    && self.in_hand[hand][other] != InHand::Yes
+                    && !(self.in_hand[other_hand][other] == InHand::Yes && is_together())
+        };
         // Most objects rest, so this comes first.
         let is_moved_along = self.goes_away(object, age)
             && (0..self.objects.len()).all(is_free)
-            && self.in_hand[1 - hand][object] != InHand::Yes
-            && self.is_within_reach(hand, object, age)
-            && self.follows(hand, object, age);
-        let is_other_seen = || {
-            self.hands[1 - hand].ago(age).source == Source::Never
-                || self.touches[1 - hand][object].was_known(age, self.method.persist_frames)
+            && self.in_hand[other_hand][object] != InHand::Yes
+            && self.is_moved_by(hand, object, age);
+        let may_be_other = || {
+            self.hands[other_hand].ago(age).source != Source::Never
+                && (!self.touches[other_hand][object].was_known(age, self.method.persist_frames)
+                    || self.is_moved_by(other_hand, object, age))
         };
-        (!is_moved_along || is_other_seen()).then_some(is_moved_along)
+        (!is_moved_along || !may_be_other()).then_some(is_moved_along)
+    }
+
+    /// Whether the object moves as this hand does, within its reach.
+    fn is_moved_by(&self, hand: usize, object: usize, age: usize) -> bool {
+        self.is_within_reach(hand, object, age) && self.follows(hand, object, age)
     }
 
     /// Whether an object has gone farther than a contact is long when a change would be believed: drift does not take it there.
@@ -140,9 +156,8 @@ impl Scene {
 
     /// Whether a hand that has led an object may still hold it: it has not been seen to move along it or away from it.
     fn stays_anywhere(&self, hand: usize, object: usize, age: usize) -> bool {
-        self.relative_path(hand, object, age).is_some()
-            && self.is_within_reach(hand, object, age)
-            && self.slips_until(hand, object, age).is_none()
+        self.relative_path(hand, object, age).is_none()
+            || self.is_within_reach(hand, object, age) && self.slips_until(hand, object, age).is_none()
     }
 
     fn is_within_reach(&self, hand: usize, object: usize, age: usize) -> bool {
