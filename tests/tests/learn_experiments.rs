@@ -67,14 +67,19 @@ fn the_protocol_counts_1050_ius_and_420_activities_of_which_140_are_wrong() {
     assert_eq!(count(outcome.activities.sum()), (280, 140));
 }
 
-/// Who is drawn plays no part: the paper's rules, with its normalisation, do not see that the polishing stops halfway.
+/// The paper's normalised cost, with a threshold that accepts right jobs, does not see that the polishing stops halfway; the measures do. With the
+/// paper's own threshold who is drawn decides: 0 of 70 were missed with seed 2631, where it also accused 26 of 70 right jobs.
 #[test]
 fn the_paper_s_normalised_cost_misses_j1_and_the_default_rules_none_in_one_table_for_several_folders() {
+    let bins = Method::default().bins;
+    let normalised = Variation::with_cost(Variation::ladder(bins), LocalCost::Normalised { bins });
+    let without_measures =
+        normalised.into_iter().take_while(|rules| rules.name != "+ bounds of measures").last();
     let of_rules = |variation: Variation| outcome(variation, Split::Random);
-    let [paper, default] = [Variation::paper(Method::default().bins), default_rules()].map(of_rules);
+    let [paper, default] = [without_measures.unwrap(), default_rules()].map(of_rules);
     assert_eq!((paper.j1, default.j1), (70, 70));
     let missed = |outcome: &Outcome| Rate::new(outcome.j1_missed as usize, 70);
-    missed(&paper).expect_at_least(0.3, "J1 missed by the paper's rules");
+    missed(&paper).expect_at_least(0.3, "J1 missed by the normalised cost");
     missed(&default).expect_at_most(0.01, "J1 missed by the default rules");
     let folder = |name: &str| (name.to_owned(), vec![paper.clone(), default.clone()]);
     let table = Ladder(vec![folder("one bench"), folder("another bench")]).to_string();
