@@ -36,8 +36,8 @@ const MIN_FOUND: f64 = 0.75;
 /// The share of these lapses that may be called right.
 const MAX_CALLED_RIGHT: f64 = 0.1;
 
-/// The share of right runs of one person that may be accused where another person alone has taught the job. A fifth is wanted.
-const MAX_ACCUSED_OF_ANOTHER: f64 = 1.0 / 3.0;
+/// The share of right runs of one person that may be accused where another person alone has taught the job.
+const MAX_ACCUSED_OF_ANOTHER: f64 = 0.2;
 
 /// One person does one work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
