@@ -34,7 +34,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             progress.set_start_seen(number, activity.as_shown(context));
         }
         activity.may_differ = progress.may_differ(activity.as_shown(context), hidden == 0 || was_idle);
-        activity.is_begun_late = self.visibility.may_be_remainder && self.visibility.is_begun_late;
+        activity.is_begun_late = is_begun_late;
         if step == Step::Untaught {
             activity.like = ActivitySet::first(progress.job.activities.len());
             activity.leave_all();

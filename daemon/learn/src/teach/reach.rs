@@ -12,9 +12,9 @@ use andon_core::config::Contact;
 use andon_core::couple::Context;
 use andon_core::object::ContactRegion;
 
-/// The shares of the missing reach that are tried, one after the other. One is taken if twice as much changes no run either, so that the contact ends
-/// midway to where the parts lie apart. Else a part that another run puts back somewhat nearer would seem not to leave.
-const TRIED_SHARES: [f32; 3] = [1.0, 0.5, 0.25];
+/// The shares of the missing reach that are tried, each twice as much as the next. One is taken if neither it nor twice as much changes a run, so that
+/// the contact ends midway to where the parts lie apart. Else a part that another run puts back somewhat nearer would seem not to leave.
+const TRIED_SHARES: [f32; 4] = [2.0, 1.0, 0.5, 0.25];
 
 /// The runs, with contacts that last for strokes of any right length where their people differ more than they do in general. It also has what they
 /// then have in common. `None` where nothing is widened.
@@ -33,26 +33,23 @@ pub(super) fn widened(
     let rates = Rates::new(options.bounds.false_alarms, people, agreement);
     let reaches: Vec<(Context, f32)> =
         agreement.ius().filter_map(|iu| Some((iu.context, reach_m(runs, iu, &rates)?))).collect();
-    let widened_objects = |share: f32| {
+    let mut is_farther_alike = false;
+    for share in TRIED_SHARES {
         let mut objects = runs[0].objects.clone();
         for (context, reach_m) in &reaches {
             widen(&mut objects, *context, *reach_m, share, options.method.object_contact);
         }
-        (objects != runs[0].objects).then_some(objects)
-    };
-    let encoded = |objects: &[NamedObject]| -> Result<(Vec<Run>, Agreement), TeachError> {
-        let runs = encoded_with(objects, runs)?;
-        let agreed = agree(&runs, &Strengths::default());
-        Ok((runs, agreed))
-    };
-    for share in TRIED_SHARES {
-        let [Some(objects), Some(farther)] = [share, 2.0 * share].map(widened_objects) else { break };
-        let wider = encoded(&objects)?;
-        // Where parts lie near each other, they would seem to touch for longer.
-        let is_alike = |of: &Agreement| steps(of).eq(steps(agreement));
-        if is_alike(&wider.1) && is_alike(&encoded(&farther)?.1) {
-            return Ok(Some(wider));
+        if objects == runs[0].objects {
+            break;
         }
+        let widened = encoded_with(&objects, runs)?;
+        let agreed = agree(&widened, &Strengths::default());
+        // Where parts lie near each other, they would seem to touch for longer.
+        let is_alike = steps(&agreed).eq(steps(agreement));
+        if is_alike && is_farther_alike {
+            return Ok(Some((widened, agreed)));
+        }
+        is_farther_alike = is_alike;
     }
     Ok(None)
 }

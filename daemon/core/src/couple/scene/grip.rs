@@ -82,7 +82,7 @@ impl Scene {
     pub(super) fn gripped(&self, hand: usize) -> Option<usize> {
         let Interaction::Acts { j, .. } = self.interactions[hand] else { return None };
         let holds = self.hands[hand].ago(0).source == Source::Seen
-            && (self.touches[hand][j].is_near() || self.led[hand].contains(j))
+            && self.is_near_or_leads(hand, j)
             && self.moves_away(hand, j, self.method.persist_frames.into()).is_none();
         holds.then_some(j)
     }

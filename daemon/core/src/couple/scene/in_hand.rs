@@ -69,12 +69,11 @@ impl Scene {
     pub(super) fn update_in_hand(&mut self, age: usize) {
         for hand in 0..HANDS {
             for object in 0..self.objects.len() {
-                self.in_hand[hand][object] = self.next_in_hand(hand, object, age);
+                let edge = self.touches[hand][object];
+                let leads = if edge.is_believed() { Some(false) } else { self.leads(hand, object, age) };
+                self.in_hand[hand][object] = self.next_in_hand(hand, object, leads, age);
                 let is_held = self.in_hand[hand][object] == InHand::Yes;
-                let begins_led = || {
-                    !self.touches[hand][object].is_believed() && self.leads(hand, object, age) == Some(true)
-                };
-                let is_led = is_held && (self.led[hand].contains(object) || begins_led());
+                let is_led = is_held && (self.led[hand].contains(object) || leads == Some(true));
                 self.led[hand].set(object, is_led);
                 if self.in_hand[hand][object] == InHand::Unknown {
                     // The frame does not show what the hand acts on.
@@ -84,9 +83,9 @@ impl Scene {
         }
     }
 
-    fn next_in_hand(&self, hand: usize, object: usize, age: usize) -> InHand {
+    /// `leads` is whether the hand leads the object from beyond its contact, as [`leads`](Self::leads) says.
+    fn next_in_hand(&self, hand: usize, object: usize, leads: Option<bool>, age: usize) -> InHand {
         let (edge, before) = (self.touches[hand][object], self.in_hand[hand][object]);
-        let leads = if edge.is_believed() { Some(false) } else { self.leads(hand, object, age) };
         let stays_led = || self.led[hand].contains(object) && self.stays_anywhere(hand, object, age);
         if !edge.is_believed() && (leads == Some(true) || stays_led()) {
             return InHand::Yes;
@@ -158,6 +157,11 @@ impl Scene {
     fn stays_anywhere(&self, hand: usize, object: usize, age: usize) -> bool {
         self.relative_path(hand, object, age).is_none()
             || self.is_within_reach(hand, object, age) && self.slips_until(hand, object, age).is_none()
+    }
+
+    /// Whether the hand is near the object in the newest frame, or leads it from farther away.
+    pub(super) fn is_near_or_leads(&self, hand: usize, object: usize) -> bool {
+        self.touches[hand][object].is_near() || self.led[hand].contains(object)
     }
 
     fn is_within_reach(&self, hand: usize, object: usize, age: usize) -> bool {

@@ -75,8 +75,8 @@ impl Scene {
         let moves_unmeasured = self.move_unmeasured();
         let persist = usize::from(self.method.persist_frames);
         let is_seen_at = |object: usize| {
-            let is_at = |hand: usize| self.touches[hand][object].is_near() || self.led[hand].contains(object);
-            (0..HANDS).any(|hand| self.hands[hand].ago(0).source == Source::Seen && is_at(hand))
+            let is_seen = |hand: &usize| self.hands[*hand].ago(0).source == Source::Seen;
+            (0..HANDS).filter(is_seen).any(|hand| self.is_near_or_leads(hand, object))
         };
         let moves = |object: usize| {
             let seen = |age: usize| self.seen_object(object, age);
