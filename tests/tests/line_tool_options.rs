@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_learn::job_file::JobFile;
-use andon_learn::recording::write;
+use andon_learn::recording::{read, write};
 use andon_study::analysis::draw_order;
 use andon_tests::line::{Line, Settings, andond};
 use andon_tests::simulator::{Flaw, Noise, Performance, perform};
@@ -336,6 +336,26 @@ fn replay_ends_with_0_for_a_correct_job_1_for_an_anomaly_and_2_for_what_could_no
     let nothing_seen = Line::new(Settings::default());
     nothing_seen.edit_tracks(|frames| frames.iter_mut().for_each(|frame| frame.hands.clear()));
     assert_eq!(replayed(&nothing_seen), Some(2));
+}
+
+#[test]
+fn what_a_recording_never_shows_is_named_and_not_judged() {
+    let line = Line::new(Settings::default());
+    let mut recording = read("work", &std::fs::read(line.tracks()).unwrap()).unwrap();
+    let hidden = recording.header.objects.pop().unwrap();
+    for frame in &mut recording.frames {
+        frame.objects.retain(|object| object.id != hidden.shape.id);
+    }
+    let path = line.path("hidden.tracks.jsonl");
+    write(&mut std::fs::File::create(&path).unwrap(), &recording.header, &recording.frames).unwrap();
+    let job = line.path("job.toml");
+    let replay = Command::new(andond()).args(["replay", "--job", text(&job), text(&path)]).output().unwrap();
+    let said = String::from_utf8(replay.stderr).unwrap();
+    assert!(
+        said.contains(&format!("never shows the {} (object {})", hidden.name, hidden.shape.id)),
+        "{said}"
+    );
+    assert_eq!(replay.status.code(), Some(2), "{}", String::from_utf8_lossy(&replay.stdout));
 }
 
 #[test]

@@ -5,6 +5,7 @@ use andon_core::input::Space;
 use andon_host::config::Config;
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::{Header, NamedObject};
+use std::path::Path;
 
 /// What of a job does not fit, and what to do about it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -39,16 +40,11 @@ pub enum Misfit {
         /// The recording's.
         recording: Space,
     },
-    /// The recording does not know an object of the job.
+    /// The recording has objects, and none of the job.
     #[error(
-        "the recording knows no object {id} ({name}), which the job needs: name the station that has it with --config FILE"
+        "the recording has other objects than the job: name the station that has them with --config FILE"
     )]
-    NotRecorded {
-        /// The object.
-        id: u16,
-        /// What the job calls it.
-        name: String,
-    },
+    OthersRecorded,
 }
 
 /// Holds a job against a live station: it needs the same constants of the method, and the job's objects with the same
@@ -78,19 +74,28 @@ pub fn station(job: &JobFile, config: &Config) -> Result<(), Misfit> {
     Ok(())
 }
 
-/// Holds a job against a recording: it needs the job's space, and all of the job's objects.
+/// Holds a job against a recording: it needs the job's space, and must not have other objects only. Returns the job's objects that it does not know, as where
+/// it begins late: what they are used for is not judged.
 ///
 /// # Errors
-/// What is missing first, and what to do.
-pub fn recording(job: &JobFile, header: &Header) -> Result<(), Misfit> {
+/// What does not fit, and what to do.
+pub fn recording<'a>(job: &'a JobFile, header: &Header) -> Result<Vec<&'a NamedObject>, Misfit> {
     if header.space != job.method.space {
         return Err(Misfit::Space { job: job.method.space, recording: header.space });
     }
     let is_recorded = |id| header.objects.iter().any(|recorded| recorded.shape.id == id);
-    match job.objects.iter().find(|object| !is_recorded(object.shape.id)) {
-        Some(object) => Err(Misfit::NotRecorded { id: object.shape.id, name: object.name.clone() }),
-        None => Ok(()),
-    }
+    let unknown: Vec<_> = job.objects.iter().filter(|object| !is_recorded(object.shape.id)).collect();
+    let has_others_only = unknown.len() == job.objects.len() && !header.objects.is_empty();
+    if has_others_only { Err(Misfit::OthersRecorded) } else { Ok(unknown) }
+}
+
+/// A line for each of these objects, which the recording at this path does not know.
+pub fn unknown_objects(path: &Path, unknown: &[&NamedObject]) -> String {
+    let line = |object: &&NamedObject| {
+        let (path, name, id) = (path.display(), &object.name, object.shape.id);
+        format!("{path} never shows the {name} (object {id}): what it is used for is not judged\n")
+    };
+    unknown.iter().map(line).collect()
 }
 
 /// The first constant of the method that is not the same.

@@ -155,6 +155,16 @@ fn a_hand_that_takes_again_what_it_has_put_down_and_lets_go_puts_it_right() {
 }
 
 #[test]
+fn what_is_put_right_after_the_last_step_begins_no_job_and_the_next_piece_is_right() {
+    let job = teach(&[&polish(6)]);
+    let again = [part([1, 5, 0, 0], 10, Toward(6)), idle(20)];
+    let piece = [&POLISH_OK[..], &["JobOk"]].concat();
+    expect(&job, &[&polish(6)[..], &again].concat(), &piece);
+    let next = ["r1.0 IuOk", "r1.1 IuOk", "r1.2 IuOk", "r1 ActivityOk!", "JobOk"];
+    expect(&job, &[&polish(6)[..], &again, &polish(6)].concat(), &[&piece[..], &next].concat());
+}
+
+#[test]
 fn in_any_order_an_activity_that_comes_again_belongs_to_the_next_job() {
     let right = [&polish(6)[..], &polish(6), &measure()].concat();
     expect(

@@ -39,7 +39,8 @@ pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
         compatibility::station(&file, &config).map_err(misfit)?;
     }
     let mut recording = Recording::open(&arguments.recording, &config)?;
-    compatibility::recording(&file, recording.header()).map_err(misfit)?;
+    let unknown = compatibility::recording(&file, recording.header()).map_err(misfit)?;
+    eprint!("{}", compatibility::unknown_objects(&arguments.recording, &unknown));
     let names = Names::of_job(&file);
     let mut printer = Printer {
         file: &file,

@@ -33,7 +33,8 @@ pub fn run(arguments: &Segment) -> Result<Code, ToolError> {
     let mut recording = Recording::open(&arguments.recording, &config)?;
     if let (Some(job), Some(path)) = (&job, &arguments.job) {
         let misfit = |misfit| ToolError::Misfit { path: path.clone(), misfit };
-        compatibility::recording(job, recording.header()).map_err(misfit)?;
+        let unknown = compatibility::recording(job, recording.header()).map_err(misfit)?;
+        eprint!("{}", compatibility::unknown_objects(&arguments.recording, &unknown));
     }
     let names = Names::of_objects(job.as_ref().map_or(&recording.header().objects, |job| &job.objects));
     let segmented = segment(&mut recording, &config, job.as_ref(), arguments)?;

@@ -151,7 +151,7 @@ impl OpenActivity {
     }
 
     /// Takes the context of the next IU and returns the number of that IU. Whether it is certain that it has happened; something may have come
-    /// and gone in some `hidden` frames before it; with `has_been_idle` the hand was certainly idle since the IU before it.
+    /// and gone in some `hidden` frames before it; with `has_been_idle` the hand was certainly idle at some time since the IU before it.
     pub(super) fn next_iu(
         &mut self,
         job: &Job<'_>,
@@ -384,7 +384,7 @@ impl OpenActivity {
 
     /// Its only IU did not count: it has no verdict.
     pub(super) fn give_up(&mut self) {
-        self.ius = 0;
+        (self.ius, self.inserted) = (0, 0);
         self.is_concluded = true;
     }
 

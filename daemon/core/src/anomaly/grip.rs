@@ -82,7 +82,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         let Some(activity) = &mut self.activity else { return true };
         activity.give_up();
-        progress.set_no_step(activity.number);
+        progress.give_up(activity.number);
         progress.set_underway(self.side, ActivitySet::EMPTY, ActivitySet::EMPTY);
         true
     }

@@ -31,7 +31,7 @@ pub(super) struct HandVisibility {
     since_certain: u32,
     /// In how many frames without a doubtful one between them, up to the couple before the newest, the hand was certainly idle.
     idle_frames: u32,
-    /// It was so for long enough since it last acted.
+    /// It was so in some frame since it last acted.
     has_been_idle: bool,
     /// Which of several objects the hand acts on was decided when too little was seen, or before one of them was first seen. It keeps to that one
     /// until it lets go.
@@ -91,7 +91,7 @@ impl HandVisibility {
         // A frame in which nothing can have come and gone interrupts nothing.
         let goes_on = is_idle && !self.is_doubtful();
         self.idle_frames = if goes_on { self.idle_frames.saturating_add(is_certain.into()) } else { 0 };
-        self.has_been_idle = (is_idle || !is_certain) && (self.has_been_idle || self.is_idle_for_long());
+        self.has_been_idle = (is_idle || !is_certain) && (self.has_been_idle || self.idle_frames > 0);
         let is_clear = !couple.lacks(Unseen::CONTEXT);
         let missing = frames - 1;
         self.hidden_frames = self.hidden_frames.saturating_add(missing);
@@ -166,7 +166,7 @@ impl HandVisibility {
         self.is_idle_for_long() && !self.is_doubtful() && !self.is_object_new
     }
 
-    /// An IU begins with the newest couple, in doubt or not. Whether the hand was certainly idle for as long at some time since the one before it.
+    /// An IU begins with the newest couple, in doubt or not. Whether the hand was certainly idle at some time since the one before it.
     pub(super) fn begin_iu(&mut self) -> bool {
         core::mem::take(&mut self.has_been_idle)
     }

@@ -94,6 +94,7 @@ use crate::input::Side;
 use crate::job::{Job, NominalIu};
 use crate::segment::{self, JobSegmenter};
 use crate::verdict::Verdict;
+use grip::LastIu;
 use hand::HandJudge;
 use occlusion::OcclusionLog;
 use progress::Progress;
@@ -462,7 +463,7 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
     /// A hand that was not seen has worked since then: whatever it did is not judged.
     fn conclude_unseen(&mut self, began_ns: u64, emit: &mut impl FnMut(Event)) {
         let Self { progress, .. } = self;
-        progress.begin(began_ns, false, None);
+        progress.begin(began_ns, false, false, None);
         progress.set_unseen();
         emit(Event::JobBegan { began_ns });
         progress.conclude(true, &mut |verdict| emit(Event::Verdict(verdict)));
@@ -480,8 +481,10 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
                 {
                     progress.doubt_start();
                 }
-                progress.begin(began_ns, is_start_seen, unseen_since_ns);
-                hands.iter_mut().for_each(|hand| hand.last_done = None);
+                progress.begin(began_ns, couples.is_none(), is_start_seen, unseen_since_ns);
+                // After a pause or on command nobody puts right what was done before.
+                let last_done = |done: Option<LastIu>| done.filter(|_| !is_start_seen);
+                hands.iter_mut().for_each(|hand| hand.last_done = last_done(hand.last_done));
                 if is_start_seen {
                     hands.iter_mut().for_each(|hand| hand.visibility.begin());
                 }

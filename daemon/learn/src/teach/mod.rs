@@ -10,6 +10,7 @@
 
 mod bounds;
 mod contact_regions;
+mod either_first;
 mod ius;
 mod kind;
 mod leave_one_out;
@@ -232,6 +233,7 @@ impl<'a> Teaching<'a> {
         let learnt = Teacher::new(self, &mut memory).teach();
         self.memory = memory;
         (self.report.job.activities, self.report.ius) = learnt?;
+        either_first::add(&mut self.report.job.activities, &self.agreement, &self.runs, self.options);
         self.report.occluded = self.agreement.ius().flat_map(|iu| iu.occluded.iter().cloned()).collect();
         Ok(())
     }

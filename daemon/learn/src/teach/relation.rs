@@ -175,6 +175,11 @@ fn between_hands(begins: &[f64], ends: &[f64], is_shared: bool, quantile: f64) -
     }
 }
 
+/// Whether these gaps between one hand and the other, which is at the same part, show that one comes first, in seconds.
+pub(super) fn is_order_of_hands(gaps: &[f64], options: &TeachOptions) -> bool {
+    gaps.len() > 1 && margin(gaps, options.strictness.law_quantile(gaps.len(), true)) >= BETWEEN_HANDS_S
+}
+
 /// By how much the mean of these gaps exceeds the least one with which the next gap is positive too. It is that of this quantile of Student's t.
 fn margin(gaps: &[f64], quantile: f64) -> f64 {
     let spread = deviation(gaps, 1).max(MIN_DEVIATION) * (1.0 + 1.0 / gaps.len() as f64).sqrt();

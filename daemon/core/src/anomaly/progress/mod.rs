@@ -53,8 +53,12 @@ struct JobState {
     began_ns: u64,
     /// Since when a hand that was not seen had worked before it. If the job is right, that was another piece.
     unseen_since_ns: Option<u64>,
+    /// It began on command, so it has a verdict whatever comes.
+    is_commanded: bool,
     /// How many activities have begun.
     activities: u16,
+    /// How many of them were none: the hand moved nothing, or put right what was done.
+    given_up: u16,
     /// The number of the first of them that is a step of the job, as far as its first IU shows.
     first_step: Option<u16>,
     /// Activities that were done right.
@@ -162,8 +166,14 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// A job begins, and since when a hand that was not seen had worked before it.
-    pub(super) fn begin(&mut self, began_ns: u64, is_start_seen: bool, unseen_since_ns: Option<u64>) {
+    /// A job begins, with a touch or on command, and since when a hand that was not seen had worked before it.
+    pub(super) fn begin(
+        &mut self,
+        began_ns: u64,
+        is_commanded: bool,
+        is_start_seen: bool,
+        unseen_since_ns: Option<u64>,
+    ) {
         // Before a start that was seen, nothing of the job was hidden.
         if is_start_seen {
             self.forget_hidden();
@@ -178,6 +188,7 @@ impl<'a> Progress<'a> {
         let may_precede = may_precede.without(self.undone_first | self.behind(self.undone_first));
         self.state = JobState {
             began_ns,
+            is_commanded,
             unseen_since_ns,
             is_start_seen: may_precede.is_empty(),
             may_precede,
@@ -406,6 +417,20 @@ impl<'a> Progress<'a> {
     /// The activity with this number turned out to be none of the job's steps.
     pub(super) fn set_no_step(&mut self, number: u16) {
         self.state.first_step = self.state.first_step.filter(|first| *first != number);
+    }
+
+    /// The activity with this number was none.
+    pub(super) fn give_up(&mut self, number: u16) {
+        self.set_no_step(number);
+        self.state.given_up = self.state.given_up.saturating_add(1);
+    }
+
+    /// Whether the open job has not begun after all: the touch with which it began was no activity, and nothing else has come or may have.
+    fn is_given_up(&self) -> bool {
+        let state = &self.state;
+        let has_come = state.fault.is_some() || state.first_unjudged.is_some();
+        let is_none = state.given_up > 0 && state.given_up == state.activities && self.possibly().is_empty();
+        is_none && !has_come && !state.is_commanded
     }
 
     /// The number of the activity that a nominal activity fulfils.

@@ -7,13 +7,14 @@ use crate::set::ActivitySet;
 use crate::verdict::{Level, Outcome, Reason, Verdict};
 
 impl Progress<'_> {
-    /// Gives the verdict on the job once all activities have come that may come, or when it has `ended`.
+    /// Gives the verdict on the job once all activities have come that may come, or when it has `ended`. One that has not begun has none.
     pub(in crate::anomaly) fn conclude(&mut self, ended: bool, emit: &mut impl FnMut(Verdict)) {
         let is_complete = (self.state.required | self.may_follow()).without(self.tried()).is_empty();
         if !self.state.is_open || !is_complete && !ended {
             return;
         }
         self.state.is_open = false;
+        let is_given_up = self.is_given_up();
         let (outcome, fault) = self.outcome();
         self.undone_first = ActivitySet::EMPTY;
         let may_go_on = self.tried() | self.possibly();
@@ -22,6 +23,9 @@ impl Progress<'_> {
         self.state.carried_over = if outcome == Outcome::Ok { may_be_next } else { may_go_on };
         self.forget_hidden();
         self.never_seen = Some(self.out_of_sight);
+        if is_given_up {
+            return;
+        }
         let verdict = Verdict {
             level: Level::Job,
             outcome,
