@@ -1,9 +1,14 @@
 //! The values of a verdict as a table: what each is called, and how its number is meant.
 //!
-//! It is declared once, and whoever writes verdicts down goes through it: the rows of the journal and their way back, and CSV. JSON, the registers
-//! and the types for C have forms of their own, and a test of `andond`, `verdict_columns`, holds them to it. What has no meaning in a verdict is
-//! [`Value::None`] there, whatever number stands for it on the wire.
+//! It is declared once, and whoever writes verdicts down goes through it: the rows of the journal and their way back, CSV, and [`Verdict::NONE`].
+//! What has no meaning in a verdict is [`Value::None`] there, whatever number stands for it on the wire.
+//!
+//! Three outputs have more to say of a value than its name and kind. A table of that would be longer than they are. JSON nests values, and names
+//! objects and steps. A register has an address that never changes, and a meaning for who programs a controller. The struct for C must stand in the
+//! source with its comments, because the generator of the header reads it there. A test of `andond`, `verdict_columns`, holds all three to this
+//! table.
 
+use crate::layout::Layout;
 use crate::part::PartId;
 use crate::verdict::{
     HandCode, NO_INDEX, NO_PERCENT, OrderFault, STATION_BYTES, Verdict, VerdictLevel, VerdictMeasure,
@@ -94,6 +99,20 @@ macro_rules! set {
     }) };
 }
 
+/// What stands for none on the wire: of most kinds it is 0.
+macro_rules! none {
+    (index $to:expr) => {
+        $to = NO_INDEX
+    };
+    (percent $to:expr) => {
+        $to = NO_PERCENT
+    };
+    (number $to:expr) => {
+        $to = f32::NAN
+    };
+    ($kind:ident $to:expr) => {};
+}
+
 fn whole(value: Value<'_>) -> Option<u64> {
     match value {
         Value::Whole(number) | Value::Hash(number) | Value::Time(number) => Some(number),
@@ -145,6 +164,15 @@ macro_rules! columns {
             get: |verdict| get!($kind verdict.$($path)+),
             set: |verdict, value| set!($kind verdict.$($path)+, value),
         } ),+ ];
+
+        impl Verdict {
+            /// A verdict in which nothing has a meaning: what is read before the first one.
+            pub const NONE: Self = {
+                let mut verdict = <Self as Layout>::ZERO;
+                $( none!($kind verdict.$($path)+); )+
+                verdict
+            };
+        }
 
         /// What every field on the wire takes, but for those that only fill it.
         const BYTES: usize = 0 $( + size_of_val(&Verdict::NONE.$($path)+) )+;

@@ -8,6 +8,10 @@
 pub unsafe trait Layout: Copy + 'static {
     /// Changes when the name, the type, the order or the offset of a field changes, in this type or in a type of its fields.
     const HASH: u64;
+
+    /// All bytes are 0.
+    // SAFETY: every bit pattern is valid.
+    const ZERO: Self = unsafe { core::mem::zeroed() };
 }
 
 macro_rules! plain {

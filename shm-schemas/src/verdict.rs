@@ -240,46 +240,6 @@ wire! { "andon.Verdict", 192;
 message!(Verdict);
 
 impl Verdict {
-    /// A verdict in which nothing has a meaning: what an outside sees before the first one.
-    pub const NONE: Self = Self {
-        stamp: Stamp { seq: 0, epoch: 0, frame_seq: 0, captured_ns: 0, sent_ns: 0 },
-        model_hash: 0,
-        began_ns: 0,
-        ended_ns: 0,
-        decided_ns: 0,
-        decided_utc_ns: 0,
-        job_id: 0,
-        distance: f32::NAN,
-        threshold: f32::NAN,
-        measured: f32::NAN,
-        shown_min: f32::NAN,
-        shown_max: f32::NAN,
-        missing_s: f32::NAN,
-        x_c: [0; 4],
-        activity: NO_INDEX,
-        iu: NO_INDEX,
-        nearest: NO_INDEX,
-        broken_activity: NO_INDEX,
-        broken_runs: 0,
-        missing_object: 0,
-        level: 0,
-        outcome: 0,
-        reason: 0,
-        hand: 0,
-        early: 0,
-        station: [0; STATION_BYTES],
-        part: PartId::NONE,
-        captured_percent: NO_PERCENT,
-        seen_percent: NO_PERCENT,
-        missing_percent: NO_PERCENT,
-        needed_percent: NO_PERCENT,
-        missing_hand: 0,
-        note: 0,
-        broken: 0,
-        measure: 0,
-        reserved: [0; 3],
-    };
-
     /// What is judged.
     ///
     /// # Errors

@@ -24,8 +24,8 @@ from pathlib import Path
 
 # Twice as many as there are processors would make a machine of two so busy that more is waited for than gained.
 PROGRAMS = 1 + (os.cpu_count() or 1)
-# These take longest, so they begin first: at the end nothing else is left to run beside them.
-FIRST = ["perception_accuracy", "line_sight", "line_restart", "line_realsense", "line_shift"]
+# The page that says what each program took. Those that took longest begin first: at the end nothing else is left to run beside them.
+TIMES = Path(__file__).parents[1] / "TIMES.md"
 # The camera's library plays a recording by the clock and pairs pictures by when they come: beside others it loses some.
 ALONE = ["recording"]
 # What tests that work by chance take their draw from, and the first number that is not drawn: people can type those below it.
@@ -52,7 +52,9 @@ def programs(arguments):
     messages = [json.loads(line) for line in built.stdout.splitlines()]
     tests = [said for said in messages if said.get("executable") and said["profile"]["test"]]
     found = [(said["target"]["name"], Path(said["manifest_path"]).parent, said["executable"]) for said in tests]
-    return sorted(found, key=lambda one: (FIRST.index(one[0]) if one[0] in FIRST else len(FIRST), one))
+    rows = (line.split("|") for line in TIMES.read_text().splitlines() if line.startswith("| "))
+    took = {name.strip(): float(seconds) for _, name, seconds, *_ in rows if seconds.strip().isdigit()}
+    return sorted(found, key=lambda one: (-took.get(one[0], 0.0), one))
 
 
 def run(program):

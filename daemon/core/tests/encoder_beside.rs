@@ -7,6 +7,7 @@ use andon_core::config::{Contact, Method};
 use andon_core::couple::Unseen;
 use andon_core::input::Side;
 use common::bench::{Bench, contexts, encode, errors};
+use common::seed::known_and_drawn_seeds;
 
 const TOOL: u16 = 5;
 const BOX: u16 = 7;
@@ -35,7 +36,7 @@ fn with_noise(mut bench: Bench, seed: u32) -> Bench {
 
 #[test]
 fn a_hand_that_rests_at_two_parts_takes_the_nearer_one_whatever_the_noise() {
-    for seed in 0..300 {
+    for seed in known_and_drawn_seeds(300) {
         let mut bench = Bench::new(&[(TOOL, [0.015, 0.0]), (BOX, [0.038, 0.0])]);
         bench.hand(Side::Right, [0.0, -0.3]).rest(10).go([0.0, 0.0], 20).rest(12);
         bench.hold(Side::Right, TOOL).go([-0.2, 0.1], 30).rest(10);

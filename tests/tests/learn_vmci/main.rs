@@ -241,13 +241,13 @@ fn without_points_the_ladder_of_rules_begins_with_contact_regions_from_the_runs(
     assert_eq!(untaught, [0; 12]);
     let default = outcomes.last().unwrap();
     expect_of_default_rules(default);
-    let found_with = |name: &str| {
-        let mut all = outcomes.iter().filter(|outcome| outcome.variation.name == name);
-        all.next().map_or(0, |outcome| outcome.flawed_jobs_found)
+    // All 90 swapped runs are found in both, and the rest are stops of 8 s.
+    let stops_found_with = |name: &str| {
+        let found = outcomes.iter().find(|outcome| outcome.variation.name == name).unwrap().flawed_jobs_found;
+        Rate::new(found.saturating_sub(90) as usize, 90)
     };
-    let without = found_with("+ bounds of measures");
-    assert!(without < 110, "DTW stretches time: of 90 stops of 8 s it finds few, not {}", without - 90);
-    assert_eq!(found_with("+ bounds of duration"), 180);
+    stops_found_with("+ bounds of measures").expect_at_most(0.15, "stops found, because DTW stretches time");
+    stops_found_with("+ bounds of duration").expect_at_least(0.97, "stops found by their duration");
     let table = Ladder(vec![("motion capture".to_owned(), outcomes)]).to_string();
     assert!(!table.contains(" | nothing"), "{table}");
 }
@@ -293,8 +293,7 @@ fn slack_for_the_slow_is_why_half_the_speed_is_no_anomaly() {
         RUNS.enumerate().filter(is_right).count()
     };
     assert_eq!(right_with(TeachOptions::DEFAULT_MAX_SLOWDOWN), 9);
-    let without = right_with(1.0);
-    assert!(without <= 6, "{without} of 9");
+    assert!(right_with(1.0) < 9);
 }
 
 #[test]

@@ -16,17 +16,17 @@ use crate::verdict::{Outcome, Reason, Verdict};
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn begin_activity(&mut self, context: Context, began_ns: u64, progress: &mut Progress<'a>) {
         if progress.begins_undone(context) {
-            self.visibility.forget_rest();
+            self.doubt.forget_rest();
         }
-        let (hidden, was_idle) = (self.visibility.begin_activity(context), self.visibility.was_idle());
+        let (hidden, was_idle) = (self.doubt.begin_activity(context), self.doubt.was_idle());
         let step = match progress.shown_hand(self.side, context) {
             Some(side) => Step::Shown(side),
             None if progress.has_parts_of(context) => Step::Untaught,
             None => Step::Foreign,
         };
         let number = progress.next_activity(self.side, began_ns, hidden == 0, matches!(step, Step::Shown(_)));
-        let min_idle_frames = self.visibility.min_idle_frames();
-        let is_begun_late = self.visibility.may_be_remainder && self.visibility.is_begun_late;
+        let min_idle_frames = self.doubt.min_idle_frames();
+        let is_begun_late = self.doubt.may_be_remainder && self.doubt.is_begun_late;
         let before = (hidden, was_idle, is_begun_late);
         let mut activity =
             OpenActivity::new(number, step, context, began_ns, before, min_idle_frames, progress.job);
@@ -52,16 +52,16 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// Takes note of how well the hand is seen in the next couple, so many frames after the one before, before anything is decided on it.
     pub(super) fn observe(&mut self, couple: &Couple, frames: u32, progress: &mut Progress<'a>) {
-        self.visibility.observe(couple, frames);
+        self.doubt.observe(couple, frames);
         self.occlusions.skip(frames, couple);
-        let hidden = self.visibility.hidden_frames();
-        progress.set_hidden(self.side, hidden, hidden > 0 || self.visibility.is_doubtful());
+        let hidden = self.doubt.hidden_frames();
+        progress.set_hidden(self.side, hidden, hidden > 0 || self.doubt.is_doubtful());
         progress.count_occluded(couple, frames, hidden > 0);
         self.note_never_seen(progress);
         if let Some(activity) = &mut self.activity {
-            activity.add_hidden(self.visibility.newly_hidden());
+            activity.add_hidden(self.doubt.newly_hidden());
             // An IU that began in doubt is confirmed elsewhere.
-            if self.visibility.is_certain() && self.iu.is_none_or(|iu| iu.is_certain) {
+            if self.doubt.is_certain() && self.iu.is_none_or(|iu| iu.is_certain) {
                 // What begins with this couple is not what went on unseen.
                 let context = if self.iu.is_some() { couple.context } else { Context::IDLE };
                 activity.resume(self.side, context, progress);
@@ -81,28 +81,26 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let (job, context) = (progress.job, couple.context);
         self.comparisons.clear();
         activity.may_differ &= progress.has_parts_of(context);
-        let is_certain = !self.visibility.is_doubtful();
-        let was_idle = self.visibility.was_idle();
-        let before = (self.visibility.hidden_before(), self.visibility.begin_iu());
+        let is_certain = !self.doubt.is_doubtful();
+        let was_idle = self.doubt.was_idle();
+        let before = (self.doubt.hidden_before(), self.doubt.begin_iu());
         let number = activity.next_iu(job, activity.as_shown(context), is_certain, before);
         // With what goes on although all may have come, the next piece may have begun.
         if number > 0 && progress.may_be_matched() {
             progress.set_may_be_of_next(activity.candidates());
         }
-        let may_be_remainder = number == 0 && self.visibility.may_be_remainder && !was_idle;
+        let may_be_remainder = number == 0 && self.doubt.may_be_remainder && !was_idle;
         // A step that was not shown may come between two parts of one activity, so the doubt outlasts it.
-        self.visibility.may_be_remainder &= activity.step == Step::Untaught;
-        self.visibility.is_begun_late &= self.visibility.may_be_remainder;
+        self.doubt.may_be_remainder &= activity.step == Step::Untaught;
+        self.doubt.is_begun_late &= self.doubt.may_be_remainder;
         self.iu = Some(OpenIu {
             number,
             context,
             began_ns: couple.captured_ns,
             ended_ns: None,
             observation: IuObservation {
-                gap_before: self.visibility.gap(),
-                may_be_part: may_be_remainder
-                    || self.visibility.may_go_on(context)
-                    || self.visibility.is_object_new(),
+                gap_before: self.doubt.gap(),
+                may_be_part: may_be_remainder || self.doubt.may_go_on(context) || self.doubt.is_object_new(),
                 ..IuObservation::default()
             },
             captured: 0,
@@ -188,7 +186,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             for (nominal, index) in newest {
                 self.comparisons.add(job, nominal, index);
             }
-            if self.visibility.gap() > 0 {
+            if self.doubt.gap() > 0 {
                 self.comparisons.append_unknown();
             }
         }
@@ -231,7 +229,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let is_certain = self.iu.is_some_and(|iu| iu.is_certain);
         let Some(activity) = &mut self.activity else { return };
         // What else lies there has not been seen for long enough either.
-        let may_be_right = self.visibility.is_object_new() || activity.may_be_right();
+        let may_be_right = self.doubt.is_object_new() || activity.may_be_right();
         if (is_certain || !couple.is_in_sight()) && activity.against == Against::Candidates {
             activity.follow_nearest(progress.job, activity.as_shown(couple.context));
         }
@@ -274,14 +272,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
-        let is_forgotten =
-            self.activity.is_none() && self.visibility.is_certain() && !self.visibility.may_be_remainder;
+        let is_forgotten = self.activity.is_none() && self.doubt.is_certain() && !self.doubt.may_be_remainder;
         if is_forgotten {
             self.occlusions.forget();
         } else {
             self.occlusions.count(couple);
         }
-        if !self.visibility.is_doubtful() && self.iu.is_some_and(|iu| !iu.is_certain) {
+        if !self.doubt.is_doubtful() && self.iu.is_some_and(|iu| !iu.is_certain) {
             self.confirm_iu(couple, progress, emit);
         }
         let Some(iu) = self.iu.as_mut().filter(|iu| !iu.is_concluded) else { return };
@@ -301,7 +298,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         iu.captured = iu.captured.saturating_add((!couple.lacks(Unseen::FRAME)).into());
         iu.observation.is_doubtful |= couple.lacks(Unseen::CHANGE);
         // While the hand is hidden, the IU may have ended already.
-        iu.observation.gap_after = if couple.lacks(Unseen::CONTEXT) { self.visibility.gap() } else { 0 };
+        iu.observation.gap_after = if couple.lacks(Unseen::CONTEXT) { self.doubt.gap() } else { 0 };
         let Some(iu) = self.iu else { return };
         let candidates = self.activity.as_ref().map_or(ActivitySet::EMPTY, OpenActivity::candidates);
         if !couple.is_in_sight() {
@@ -309,7 +306,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         } else if iu.context.is_release() && (iu.is_certain || !candidates.is_empty()) {
             // It has no motion of a hand and may last for any time, so its context decides.
             self.conclude_right(None, true, progress, emit);
-        } else if iu.is_certain && !self.visibility.is_doubtful() && self.is_certainly_wrong(iu.observation) {
+        } else if iu.is_certain && !self.doubt.is_doubtful() && self.is_certainly_wrong(iu.observation) {
             self.decide_by_motion(iu.observation, progress, emit);
         }
     }
@@ -344,10 +341,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         {
             activity.ended_ns = iu.ended_ns;
             // Where frames are missing, a contact that came and went soon may only have seemed to.
-            if self
-                .iu
-                .is_some_and(|open| !self.visibility.is_believable(open.captured, open.observation.frames))
-            {
+            if self.iu.is_some_and(|open| !self.doubt.is_believable(open.captured, open.observation.frames)) {
                 activity.doubt_newest_iu();
             }
         }
@@ -359,11 +353,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 measured: iu.measured,
                 measures: iu.measures,
                 ended: true,
-                gap_after: self.visibility.gap(),
+                gap_after: self.doubt.gap(),
                 may_be_part: self.is_broken_off
                     || open.observation.may_be_part
                     || !open.is_certain
-                    || self.visibility.is_doubtful(),
+                    || self.doubt.is_doubtful(),
                 ..open.observation
             };
             if observation.gap_after > 0 && !open.is_concluded {
@@ -495,7 +489,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             Reason::BrokenOff.into()
         } else if self.iu.is_some_and(is_uncaptured) {
             self.occlusions.frames_missing(min_captured)
-        } else if is_begun_late && self.occlusions.is_within(self.visibility.min_idle_frames()) {
+        } else if is_begun_late && self.occlusions.is_within(self.doubt.min_idle_frames()) {
             Reason::BeginningNotSeen.into()
         } else {
             let own = [self.occlusions];

@@ -76,7 +76,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             self.conclude_unseen(progress, emit);
             let cause = self.unseen_cause(progress);
             let nearest = self.activity.as_ref().and_then(|activity| activity.nearest);
-            self.visibility.may_be_remainder = true;
+            self.doubt.may_be_remainder = true;
             progress.set_doubtful();
             self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress, emit);
         }

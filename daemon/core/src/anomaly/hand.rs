@@ -3,7 +3,7 @@
 use super::activity::{OpenActivity, Step};
 use super::comparison::{ComparisonResult, Comparisons, Memory};
 use super::grip::LastIu;
-use super::hand_visibility::HandVisibility;
+use super::hand_doubt::HandDoubt;
 use super::interrupted::Interrupted;
 use super::observation::IuObservation;
 use super::occlusion::{Cause, OcclusionLog, percent};
@@ -59,7 +59,7 @@ pub(super) struct HandJudge<'a, M> {
     pub(super) side: Side,
     /// The other hand was shown to act in the job; else there is nothing to wait for.
     pub(super) has_other: bool,
-    pub(super) visibility: HandVisibility,
+    pub(super) doubt: HandDoubt,
     pub(super) comparisons: Comparisons<'a, M>,
     pub(super) activity: Option<OpenActivity>,
     pub(super) iu: Option<OpenIu>,
@@ -102,7 +102,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         Self {
             side,
             has_other: ius.any(|iu| iu.context.0[0] == side.other() as u16),
-            visibility: HandVisibility::new(method),
+            doubt: HandDoubt::new(method),
             comparisons: Comparisons::new(job, method.rate_hz),
             activity: None,
             iu: None,
@@ -121,7 +121,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// Nothing is known of what the hand does from now on.
     pub(super) fn lose_sight(&mut self) {
-        self.visibility.lose();
+        self.doubt.lose();
         self.break_off();
     }
 
@@ -347,7 +347,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             Outcome::NotJudged => {
                 // Otherwise what comes next with the same object may be the remainder of it.
                 if !activity.has_certainly_ended(progress.job) {
-                    self.visibility.set_unjudged(activity.context);
+                    self.doubt.set_unjudged(activity.context);
                 }
                 progress.set_unjudged(nominal, Cause { reason, missing });
             }

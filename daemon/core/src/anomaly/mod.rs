@@ -56,7 +56,7 @@
 //!   and one of which fewer frames were captured than the job needs ([`Job::min_captured`]) is neither right nor wrong.
 //!
 //! Three things widen the doubt beyond a gap. An activity that was not judged may go on with the same part, unless the hand was certainly idle
-//! (`hand_visibility`). What a hand is in the middle of may have ended, and what came again, or after all had come, may be of the next piece: each is a set
+//! (`hand_doubt`). What a hand is in the middle of may have ended, and what came again, or after all had come, may be of the next piece: each is a set
 //! that only ever excuses (`progress`). And where nobody watched for as long as the quickest person needs to end this piece and to begin another one
 //! up to what is seen next, that may be another piece: no job is right that spans it.
 //!
@@ -72,7 +72,7 @@ mod algorithm;
 mod comparison;
 mod grip;
 mod hand;
-mod hand_visibility;
+mod hand_doubt;
 mod instead;
 mod interrupted;
 mod measure;
@@ -272,7 +272,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     /// started in the middle of a job, and accuses nothing that would have another explanation then.
     #[must_use]
     pub fn at_start_of_job(mut self) -> Self {
-        self.bench.hands.iter_mut().for_each(|hand| hand.visibility.begin());
+        self.bench.hands.iter_mut().for_each(|hand| hand.doubt.begin());
         self.bench.progress.expect_start();
         self.between_jobs()
     }
@@ -371,7 +371,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             let hands = bench.hands.iter_mut().zip(&couples.hands);
             hands
                 .filter(|(_, couple)| !couple.is_hand_seen())
-                .for_each(|(hand, _)| hand.visibility.may_be_remainder = true);
+                .for_each(|(hand, _)| hand.doubt.may_be_remainder = true);
         }
         if couples.lacks(Unseen::MOVER) {
             bench.progress.set_moved_unseen();
@@ -395,7 +395,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         let Self { segmenter, bench, .. } = self;
         let is_disturbed = segmenter.is_disturbed() || couples.lacks(Unseen::MOVER);
         let begins_next = couples.hands.iter().any(|couple| {
-            let may_go_on = bench.hands[couple.side.index()].visibility.may_go_on_touching(couple.context);
+            let may_go_on = bench.hands[couple.side.index()].doubt.may_go_on_touching(couple.context);
             segmenter.begins_activity(couple)
                 && bench.progress.begins_next_job(couple.side, couple.context, is_disturbed, may_go_on)
         });
@@ -421,7 +421,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         let Self { segmenter, bench, .. } = self;
         self.newest = None;
         segmenter.start(&mut |event| bench.take(&event, None, emit));
-        bench.hands.iter_mut().for_each(|hand| hand.visibility.begin());
+        bench.hands.iter_mut().for_each(|hand| hand.doubt.begin());
     }
 
     /// The couples break off here, and what comes next does not follow from them: a source has started again. Ends the open job, with its
@@ -456,8 +456,8 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
     fn forget(&mut self) -> u32 {
         self.progress.forget_seen();
         self.progress.doubt_start();
-        self.hands.iter_mut().for_each(|hand| hand.visibility.doubt_beginning());
-        self.hands[0].visibility.min_idle_frames()
+        self.hands.iter_mut().for_each(|hand| hand.doubt.doubt_beginning());
+        self.hands[0].doubt.min_idle_frames()
     }
 
     /// A hand that was not seen has worked since then: whatever it did is not judged.
@@ -476,9 +476,7 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
         match *event {
             segment::Event::JobBegan { began_ns, is_start_seen, unseen_since_ns } => {
                 let mut touches = couples.iter().flat_map(|couples| &couples.hands);
-                if touches
-                    .any(|couple| hands[couple.side.index()].visibility.may_go_on_touching(couple.context))
-                {
+                if touches.any(|couple| hands[couple.side.index()].doubt.may_go_on_touching(couple.context)) {
                     progress.doubt_start();
                 }
                 progress.begin(began_ns, couples.is_none(), is_start_seen, unseen_since_ns);
@@ -486,7 +484,7 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
                 let last_done = |done: Option<LastIu>| done.filter(|_| !is_start_seen);
                 hands.iter_mut().for_each(|hand| hand.last_done = last_done(hand.last_done));
                 if is_start_seen {
-                    hands.iter_mut().for_each(|hand| hand.visibility.begin());
+                    hands.iter_mut().for_each(|hand| hand.doubt.begin());
                 }
                 emit(Event::JobBegan { began_ns });
             }

@@ -69,8 +69,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             segmenter.interrupt();
         }
         let job = progress.job;
-        let may_have_let_go =
-            self.iu.is_none() || self.visibility.is_doubtful() || self.visibility.hidden_frames() > 0;
+        let may_have_let_go = self.iu.is_none() || self.doubt.is_doubtful() || self.doubt.hidden_frames() > 0;
         let activity = self.activity.as_ref().filter(|activity| may_have_let_go || activity.may_have_ended());
         progress.set_may_have_ended(
             self.side,
@@ -81,7 +80,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         let Some(activity) = &self.activity else {
             // What it goes on with began in the job before, and may be a part of this one.
-            if let Some(object) = self.visibility.unjudged_in_hand() {
+            if let Some(object) = self.doubt.unjudged_in_hand() {
                 progress.set_carried_on(object, self.newest_unjudged);
             }
             return;
@@ -95,7 +94,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             let mut continuations = activity.continuations(job);
             // The job has its verdict, so a touch begins another activity, which may be the remainder of this one.
             if progress.is_concluded() {
-                self.visibility.may_be_remainder |= !continuations.is_empty();
+                self.doubt.may_be_remainder |= !continuations.is_empty();
                 continuations.clear();
             }
             segmenter.activity_matched(&self.by_this_hand(continuations));
@@ -108,7 +107,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         let Some(nominal) = activity.matched(self.side, progress) else {
             // What the hand does after it has been idle is another activity, unless it is idle in the middle of this one.
-            if self.visibility.was_idle() && activity.has_ended_if_idle(job) || activity.must_have_ended() {
+            if self.doubt.was_idle() && activity.has_ended_if_idle(job) || activity.must_have_ended() {
                 segmenter.activity_matched(&[]);
             }
             return;
@@ -139,7 +138,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &self.activity else { return };
         let nearest = activity.nearest.or(activity.candidates().lowest());
         let may_go_on = progress.is_end_assumed()
-            || self.visibility.may_hold_another()
+            || self.doubt.may_hold_another()
             || activity.may_be_complete(progress.job)
             || activity.is_out_of_sequence() && activity.unjudged.is_some();
         let cause = activity.unjudged.unwrap_or_else(|| self.unseen_cause(progress));
@@ -147,7 +146,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             Some(nominal) => self.conclude_matched(nominal, false, progress, emit),
             // What is missing may have happened unseen, and the activity may have been another one, or may still go on.
             None if may_go_on && !activity.is_concluded => {
-                self.visibility.may_be_remainder = true;
+                self.doubt.may_be_remainder = true;
                 progress.set_doubtful();
                 self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress, emit);
             }

@@ -5,9 +5,29 @@ use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
+use std::ops::Range;
 
 /// Drawn seeds are less than this, so that people can type them.
 const SEEDS: u64 = 100_000;
+
+/// The seed that `PROPTEST_RNG_SEED` chooses, or else a drawn one.
+fn drawn() -> u64 {
+    cases::chosen_seed().unwrap_or_else(|| RandomState::new().hash_one(0) % SEEDS)
+}
+
+/// As many seeds for what may differ from one draw to another. `PROPTEST_RNG_SEED` chooses where they begin.
+pub(crate) fn drawn_seeds(count: u32) -> Range<u32> {
+    let seed = drawn();
+    println!("PROPTEST_RNG_SEED={seed} repeats this draw");
+    // Two seeds have none in common.
+    let first = (seed % SEEDS) as u32 * count;
+    first..first + count
+}
+
+/// The seeds of what must never be: as many that have always been tried, and as many drawn ones.
+pub(crate) fn known_and_drawn_seeds(count: u32) -> impl Iterator<Item = u32> {
+    (0..count).chain(drawn_seeds(count))
+}
 
 /// Tries the property so often with [`KNOWN`] and so often with a drawn seed, and panics with the seed of the first failure.
 /// `PROPTEST_RNG_SEED` and `PROPTEST_CASES` choose other numbers.
@@ -16,8 +36,7 @@ pub(crate) fn with_known_and_drawn_seed<S: Strategy>(
     strategy: &S,
     property: impl Fn(S::Value) -> Result<(), TestCaseError>,
 ) {
-    let drawn = cases::chosen_seed().unwrap_or_else(|| RandomState::new().hash_one(0) % SEEDS);
-    for seed in [KNOWN, drawn] {
+    for seed in [KNOWN, drawn()] {
         if let Err(failed) = TestRunner::new(cases::with(cases, seed)).run(strategy, &property) {
             panic!("PROPTEST_RNG_SEED={seed}: {failed}");
         }

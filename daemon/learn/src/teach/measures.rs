@@ -18,6 +18,7 @@ use crate::job_file::{ShownValues, of_runs};
 use crate::statistics::{mean, median, pooled_freedom, student_t, variance_of_one_more};
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::job::MeasureBounds;
+use andon_core::object::HAND_WIDTH_M;
 use andon_core::segment::{MOVED_M, Measures};
 use andon_core::verdict::Measure;
 
@@ -46,10 +47,6 @@ pub(super) const RARE: f64 = 0.005;
 /// Where a hand comes from and where it goes to may make one reversal more of a repeated motion, or one less. The way out of the contact is seen to
 /// go back before the contact ends, or only after that.
 const BORDER_REVERSALS: u32 = 1;
-
-/// The width of a hand, in metres. A shorter path has no direction, and nobody notices a way that is less straight by this. At this lateral
-/// deviation, ways differ half as much as if people differed only in how much they go round.
-pub(super) const HAND_WIDTH_M: f64 = 0.1;
 
 /// The length of the axis of strokes below which they are circles: it is 0 for a circle and 1 for a straight line.
 const MAX_ALONG_AXIS: f64 = 0.5;
@@ -230,7 +227,7 @@ impl Rates {
     /// People differ in where a part lies and in how straight they go, and a way can only become longer.
     fn max_detour_m(&self, iu: &ShownIu, strength: Strength) -> f32 {
         let detour = |measures: &Measures| measures.detour_m;
-        self.length_m(iu, &detour, (PRIOR_DETOUR, HAND_WIDTH_M), 2.0 * self.path, strength)[1]
+        self.length_m(iu, &detour, (PRIOR_DETOUR, HAND_WIDTH_M.into()), 2.0 * self.path, strength)[1]
     }
 
     /// From which length to which one is right, in metres: beside what nobody notices, people differ by a factor. They differ more at another part
@@ -258,7 +255,7 @@ impl Rates {
         let laterals: Vec<f64> = shown.iter().map(|measures| measures.lateral_m.into()).collect();
         let (centre, apart) = self.interval(
             &laterals,
-            PRIOR_LATERAL * (mean(&laterals) + HAND_WIDTH_M),
+            PRIOR_LATERAL * (mean(&laterals) + f64::from(HAND_WIDTH_M)),
             2.0 * self.lateral,
             strength,
         );
@@ -348,7 +345,7 @@ pub(super) fn do_agree(likely: &[u32], (share, of): (usize, usize)) -> bool {
 
 /// The directions of the bench are those of the parts on it only where one part moves along another.
 fn is_directed(iu: &ShownIu) -> bool {
-    iu.context.is_pair() && iu.measured.iter().all(|measures| measures.path_m >= HAND_WIDTH_M as f32)
+    iu.context.is_pair() && iu.measured.iter().all(|measures| measures.path_m >= HAND_WIDTH_M)
 }
 
 /// Whether the strokes are circles, or lead up and down, of which the axis does not tell.

@@ -1,6 +1,7 @@
 //! What of the hands and parts was seen in a recording, and what moved although no hand was seen to move it.
 
 use andon_core::input::{Frame, Point, Side};
+use andon_core::segment::MOVED_M;
 
 use super::{ASSUMED, Axis, GAP, LEFT, MOVED, NO_HAND, SEEN, UNSEEN, dot, rectangle, text};
 use crate::report::Names;
@@ -12,9 +13,6 @@ const MARK: f64 = 4.0;
 /// A stretch that is narrower gets a dot where nothing is near it: otherwise nobody finds it. Pixels.
 const NARROW: f64 = 3.0;
 const ALONE: f64 = 8.0;
-
-/// A part that lies as far from where it lay has been moved, in metres: many times the noise of a marker.
-const MOVED_M: f32 = 0.02;
 
 /// Everything that the frames of a recording show.
 #[derive(Clone, Debug, Default)]

@@ -80,7 +80,7 @@ pub struct Plc {
 impl Default for Plc {
     fn default() -> Self {
         let loopback = IpAddr::V4(Ipv4Addr::LOCALHOST);
-        // The standard port of Modbus, 502, needs a right that the unit does without.
+        // The standard port of Modbus, 502, needs a privilege that the unit does without.
         Self {
             enable: false,
             bind: loopback,
@@ -112,8 +112,8 @@ impl Plc {
             "port",
             &mut self.port,
             within(1, 65_535, ""),
-            "The TCP port. The standard port of Modbus is 502; a port below 1024 needs a right, and the unit says how to \
-             grant it.",
+            "The TCP port. The standard port of Modbus is 502; a port below 1024 needs a privilege, and the unit says \
+             how to grant it.",
         );
         k.key(
             "allow",

@@ -8,7 +8,7 @@ use crate::run::{Iu, Run};
 use crate::statistics::{deviation, median};
 use crate::teach::contact_regions::MAX_REGION_M;
 use crate::teach::kind::MIN_REPEATED_REVERSALS;
-use crate::teach::measures::{COUNTED_SHARE, HAND_WIDTH_M, PRIOR_PATH, do_agree, likely_reversals};
+use crate::teach::measures::{COUNTED_SHARE, PRIOR_PATH, do_agree, likely_reversals};
 use crate::teach::options::TeachOptions;
 use crate::teach::sequence::{Agreement, MIN_RUNS, Sequence};
 use crate::teach::threshold::compared;
@@ -16,6 +16,7 @@ use crate::warp::{DistanceMatrix, Warp};
 use andon_core::couple::Context;
 use andon_core::dtw::Refused;
 use andon_core::job::LocalCost;
+use andon_core::object::HAND_WIDTH_M;
 use andon_core::segment::Measures;
 use andon_core::verdict::Measure;
 
@@ -58,7 +59,7 @@ struct Comparison {
 const COMPARISONS: [Comparison; 4] = [
     Comparison::new(Some(Measure::Strokes), (3.2, 3), 0.08, 1.0, 0.0),
     Comparison::new(Some(Measure::Duration), (5.0, MIN_RUNS), 0.15, 0.17, 1.0),
-    Comparison::new(Some(Measure::Path), (5.0, MIN_RUNS), 0.15, HAND_WIDTH_M, 2.0),
+    Comparison::new(Some(Measure::Path), (5.0, MIN_RUNS), 0.15, HAND_WIDTH_M as f64, 2.0),
     Comparison::new(None, (5.0, MIN_RUNS), 0.3, 2.0, 0.0),
 ];
 

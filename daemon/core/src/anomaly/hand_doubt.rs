@@ -1,4 +1,4 @@
-//! How well a hand and what it acts on have been seen lately.
+//! For how many frames something may have come and gone unseen, for one hand.
 
 use crate::config::Method;
 use crate::couple::{Context, Couple, Unseen};
@@ -9,7 +9,7 @@ const IDLE_PERSISTS: u32 = 3;
 
 /// What was not seen of one hand, as far as a verdict may depend on it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct HandVisibility {
+pub(super) struct HandDoubt {
     persist_frames: u32,
     /// The context of the newest couple.
     context: Context,
@@ -52,7 +52,7 @@ pub(super) struct HandVisibility {
     pub(super) is_begun_late: bool,
 }
 
-impl HandVisibility {
+impl HandDoubt {
     /// Before the first couple: anything may have happened.
     pub(super) fn new(method: &Method) -> Self {
         Self {
