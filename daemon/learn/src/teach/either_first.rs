@@ -7,7 +7,7 @@
 use super::TeachOptions;
 use super::relation::is_order_of_hands;
 use super::sequence::{Agreement, Sequence};
-use crate::job_file::TaughtActivity;
+use crate::job_file::{JobFile, TaughtActivity};
 use crate::run::{Iu, Run};
 use crate::statistics::median;
 use andon_core::capacity::{ACTIVITIES, COMPARISONS};
@@ -31,6 +31,12 @@ pub(super) fn add(
             activities.push(rest);
         }
     }
+}
+
+/// Whether this step of a job is also right without its first IU.
+pub(super) fn is_in(job: &JobFile, step: usize) -> bool {
+    let of_step = || job.activities.iter().filter(|taught| usize::from(taught.activity) == step);
+    of_step().any(|rest| of_step().any(|whole| whole.ius.get(1..) == Some(rest.ius.as_slice())))
 }
 
 /// Whether the runs show no order between the hand that begins the sequence and the other one, which brings something to it.

@@ -1,5 +1,6 @@
 //! The order of a job in words, with the evidence that it depends on.
 
+use super::either_first;
 use super::relation::chance_of_one_order;
 use crate::job_file::{JobFile, Relation, RelationKind};
 use std::collections::BTreeSet;
@@ -27,6 +28,10 @@ fn sentences(job: &JobFile, number: usize) -> Vec<String> {
     }
     if step.allows_insertions {
         sentences.push("the runs have only these contacts in common: others may come in between".to_owned());
+    }
+    if either_first::is_in(job, number) {
+        let sentence = "either hand may be the first one there: it is right without its first IU, too";
+        sentences.push(sentence.to_owned());
     }
     if !step.completes.is_empty() {
         let earlier = step.completes.iter().map(|index| job.activities[usize::from(*index)].activity);
