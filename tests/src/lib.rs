@@ -34,7 +34,8 @@ pub mod fuzz;
 pub mod line;
 pub mod measure;
 pub mod python;
-pub mod rate;
 pub mod simulator;
 pub mod station;
 pub mod workers;
+
+pub use andon_rate as rate;

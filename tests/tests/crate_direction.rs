@@ -7,7 +7,7 @@ use std::process::Command;
 use serde_json::Value;
 
 /// Every crate of the workspace and the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 14] = [
+const MAY_USE: [(&str, &[&str]); 15] = [
     ("andon-core", &[]),
     ("andon-learn", &["andon-core"]),
     ("shm-schemas", &[]),
@@ -16,6 +16,7 @@ const MAY_USE: [(&str, &[&str]); 14] = [
     ("andon-journal", &["shm-schemas"]),
     ("andon-perception", &[]),
     ("andon-realsense", &[]),
+    ("andon-rate", &[]),
     ("andon-plc", &["andon-ipc", "shm-schemas"]),
     (
         "andon-host",
@@ -47,6 +48,7 @@ const MAY_USE: [(&str, &[&str]); 14] = [
             "andon-learn",
             "andon-perception",
             "andon-plc",
+            "andon-rate",
             "andon-realsense",
             "andon-study",
             "shm-schemas",

@@ -5,7 +5,6 @@ use andon_core::input::Space;
 use andon_host::config::Config;
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::{Header, NamedObject};
-use std::path::Path;
 
 /// What of a job does not fit, and what to do about it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -74,8 +73,8 @@ pub fn station(job: &JobFile, config: &Config) -> Result<(), Misfit> {
     Ok(())
 }
 
-/// Holds a job against a recording: it needs the job's space, and must not have other objects only. Returns the job's objects that it does not know, as where
-/// it begins late: what they are used for is not judged.
+/// Holds a job against a recording: it needs the job's space, and must not have other objects only. Returns the job's objects that it does not know,
+/// as where it begins late: what they are used for is not judged.
 ///
 /// # Errors
 /// What does not fit, and what to do.
@@ -87,15 +86,6 @@ pub fn recording<'a>(job: &'a JobFile, header: &Header) -> Result<Vec<&'a NamedO
     let unknown: Vec<_> = job.objects.iter().filter(|object| !is_recorded(object.shape.id)).collect();
     let has_others_only = unknown.len() == job.objects.len() && !header.objects.is_empty();
     if has_others_only { Err(Misfit::OthersRecorded) } else { Ok(unknown) }
-}
-
-/// A line for each of these objects, which the recording at this path does not know.
-pub fn unknown_objects(path: &Path, unknown: &[&NamedObject]) -> String {
-    let line = |object: &&NamedObject| {
-        let (path, name, id) = (path.display(), &object.name, object.shape.id);
-        format!("{path} never shows the {name} (object {id}): what it is used for is not judged\n")
-    };
-    unknown.iter().map(line).collect()
 }
 
 /// The first constant of the method that is not the same.

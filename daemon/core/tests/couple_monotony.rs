@@ -6,8 +6,10 @@ mod common;
 use andon_core::couple::{Context, Couples, Unseen};
 use andon_core::input::{Frame, Side};
 use andon_core::object::ObjectShape;
+use andon_rate::Rate;
 use common::bench::{Bench, encode_shapes, shapes};
-use common::cases::many_cases;
+use common::cases;
+use common::seed::drawn;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
@@ -168,12 +170,10 @@ fn parts() -> Vec<ObjectShape> {
     shapes
 }
 
-/// Less observed is never certain of another touch than all observed, but for at most one scene in a thousand, and for none of the seed of the
-/// suite. In 18,000 scenes of three seeds there were five, such as a hand that let go unseen while the other one carried the part the same way.
-#[test]
-fn whoever_sees_less_and_is_certain_of_a_touch_agrees_with_who_sees_all() {
-    let (config, parts) = (many_cases(), parts());
-    let scenes = config.cases / 10;
+/// The scenes of a seed in which whoever sees less contradicts who sees all, and of how many.
+fn contradicted_scenes(seed: u64) -> (Vec<String>, usize) {
+    let (config, parts) = (cases::with(1_000, seed), parts());
+    let scenes = config.cases;
     let mut runner = TestRunner::new(config);
     let scene = (prop::collection::vec([act(), act()], 2..8), prop::collection::vec(gap(), 1..4));
     let mut wrong = Vec::new();
@@ -184,6 +184,16 @@ fn whoever_sees_less_and_is_certain_of_a_touch_agrees_with_who_sees_all() {
         let less = encode_shapes(&parts, &delete(&frames, &gaps));
         wrong.extend(contradicted(&whole, &less).map(|at| format!("{at:?} {acts:?} {gaps:?}")));
     }
-    let max = if scenes > 1000 { scenes as usize / 1000 } else { 0 };
-    assert!(wrong.len() <= max, "{} of {scenes}: {wrong:#?}", wrong.len());
+    (wrong, scenes as usize)
+}
+
+/// Less observed is hardly ever certain of another touch than all observed, and never in the scenes that have always been tried.
+#[test]
+fn whoever_sees_less_and_is_certain_of_a_touch_agrees_with_who_sees_all() {
+    let (wrong, _) = contradicted_scenes(cases::KNOWN);
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    let (wrong, scenes) = contradicted_scenes(drawn());
+    println!("{wrong:#?}");
+    // It was 7 of 19,000, such as a hand that let go unseen while the other one carried the part the same way.
+    Rate::new(wrong.len(), scenes).expect_at_most(0.001, "contradicted");
 }

@@ -246,8 +246,8 @@ fn without_points_the_ladder_of_rules_begins_with_contact_regions_from_the_runs(
         let found = outcomes.iter().find(|outcome| outcome.variation.name == name).unwrap().flawed_jobs_found;
         Rate::new(found.saturating_sub(90) as usize, 90)
     };
-    stops_found_with("+ bounds of measures").expect_at_most(0.15, "stops found, because DTW stretches time");
-    stops_found_with("+ bounds of duration").expect_at_least(0.97, "stops found by their duration");
+    stops_found_with("+ bounds of measures").expect_at_most(0.1, "stops found, because DTW stretches time");
+    stops_found_with("+ bounds of duration").expect_at_least(1.0, "stops found by their duration");
     let table = Ladder(vec![("motion capture".to_owned(), outcomes)]).to_string();
     assert!(!table.contains(" | nothing"), "{table}");
 }
@@ -293,7 +293,8 @@ fn slack_for_the_slow_is_why_half_the_speed_is_no_anomaly() {
         RUNS.enumerate().filter(is_right).count()
     };
     assert_eq!(right_with(TeachOptions::DEFAULT_MAX_SLOWDOWN), 9);
-    assert!(right_with(1.0) < 9);
+    let without = right_with(1.0);
+    assert!(without <= 6, "{without} of 9");
 }
 
 #[test]

@@ -5,6 +5,9 @@ use std::path::Path;
 use andon_host::config::Config;
 use andon_learn::file;
 use andon_learn::job_file::JobFile;
+use andon_learn::recording::Header;
+
+use crate::compatibility;
 
 use super::ToolError;
 use super::jobs::{FoundJob, of_station};
@@ -16,6 +19,24 @@ use super::jobs::{FoundJob, of_station};
 pub(super) fn load(path: &Path) -> Result<JobFile, ToolError> {
     let bytes = file::read(path).map_err(|source| ToolError::NoJob { path: path.into(), source })?;
     Ok(JobFile::parse(&path.display().to_string(), &bytes)?)
+}
+
+/// Holds the job at a path against a recording, and names what of the job the recording never shows.
+///
+/// # Errors
+/// If the job is for other recordings.
+pub(super) fn check_recording(
+    (path, job): (&Path, &JobFile),
+    recording: &Path,
+    header: &Header,
+) -> Result<(), ToolError> {
+    let unknown = compatibility::recording(job, header)
+        .map_err(|misfit| ToolError::Misfit { path: path.into(), misfit })?;
+    for object in unknown {
+        let (recording, name, id) = (recording.display(), &object.name, object.shape.id);
+        eprintln!("{recording} never shows the {name} (object {id}): what it is used for is not judged");
+    }
+    Ok(())
 }
 
 /// The jobs of the station that somebody means by a name, in any letters, a number or a file: at least one. Copies of one job count once.

@@ -33,14 +33,13 @@ const NOT_JUDGED: u8 = 2;
 pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
     let file = job::load(&arguments.job)?;
     let config = load_config_for(&arguments.config, from_ref(&arguments.recording))?;
-    let misfit = |misfit| ToolError::Misfit { path: arguments.job.clone(), misfit };
     // A track file is of no station, unless one is named.
     if !Recording::is_tracks(&arguments.recording) || arguments.config.is_named() {
-        compatibility::station(&file, &config).map_err(misfit)?;
+        compatibility::station(&file, &config)
+            .map_err(|misfit| ToolError::Misfit { path: arguments.job.clone(), misfit })?;
     }
     let mut recording = Recording::open(&arguments.recording, &config)?;
-    let unknown = compatibility::recording(&file, recording.header()).map_err(misfit)?;
-    eprint!("{}", compatibility::unknown_objects(&arguments.recording, &unknown));
+    job::check_recording((&arguments.job, &file), &arguments.recording, recording.header())?;
     let names = Names::of_job(&file);
     let mut printer = Printer {
         file: &file,

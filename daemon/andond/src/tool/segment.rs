@@ -15,7 +15,6 @@ use andon_learn::recording::incidental_pairs;
 
 use super::{ToolError, cannot_write, check_writable, each_frame, job, load_config_for};
 use crate::cli::Segment;
-use crate::compatibility;
 use crate::recording::Recording;
 use crate::report::plot::{self, Band, RecordedVisibility, Timeline};
 use crate::report::{EventLine, Names};
@@ -32,9 +31,7 @@ pub fn run(arguments: &Segment) -> Result<Code, ToolError> {
     let job = arguments.job.as_ref().map(|path| job::load(path)).transpose()?;
     let mut recording = Recording::open(&arguments.recording, &config)?;
     if let (Some(job), Some(path)) = (&job, &arguments.job) {
-        let misfit = |misfit| ToolError::Misfit { path: path.clone(), misfit };
-        let unknown = compatibility::recording(job, recording.header()).map_err(misfit)?;
-        eprint!("{}", compatibility::unknown_objects(&arguments.recording, &unknown));
+        job::check_recording((path, job), &arguments.recording, recording.header())?;
     }
     let names = Names::of_objects(job.as_ref().map_or(&recording.header().objects, |job| &job.objects));
     let segmented = segment(&mut recording, &config, job.as_ref(), arguments)?;

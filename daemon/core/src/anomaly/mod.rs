@@ -94,7 +94,6 @@ use crate::input::Side;
 use crate::job::{Job, NominalIu};
 use crate::segment::{self, JobSegmenter};
 use crate::verdict::Verdict;
-use grip::LastIu;
 use hand::HandJudge;
 use occlusion::OcclusionLog;
 use progress::Progress;
@@ -196,7 +195,8 @@ impl Event {
 
 /// Judges a job as it happens.
 ///
-/// Every IU, every activity and every job gets exactly one verdict:
+/// Every IU, every activity and every job gets exactly one verdict. Touches that turn out to begin none of them get none, and a job of such touches
+/// only has not begun.
 /// - An IU gets it as soon as its context fits no candidate, its motion fits none any more, or it is too long or out of sight; else
 ///   at its end. A release state gets it when it begins.
 /// - An activity gets it with its first wrong IU, or as soon as all its candidates are out of order, or when it has matched a
@@ -480,11 +480,12 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
                     progress.doubt_start();
                 }
                 progress.begin(began_ns, couples.is_none(), is_start_seen, unseen_since_ns);
-                // After a pause or on command nobody puts right what was done before.
-                let last_done = |done: Option<LastIu>| done.filter(|_| !is_start_seen);
-                hands.iter_mut().for_each(|hand| hand.last_done = last_done(hand.last_done));
                 if is_start_seen {
-                    hands.iter_mut().for_each(|hand| hand.doubt.begin());
+                    for hand in hands {
+                        hand.doubt.begin();
+                        // After a pause or on command nobody puts right what was done before.
+                        hand.last_done = None;
+                    }
                 }
                 emit(Event::JobBegan { began_ns });
             }

@@ -11,7 +11,7 @@ use std::ops::Range;
 const SEEDS: u64 = 100_000;
 
 /// The seed that `PROPTEST_RNG_SEED` chooses, or else a drawn one.
-fn drawn() -> u64 {
+pub(crate) fn drawn() -> u64 {
     cases::chosen_seed().unwrap_or_else(|| RandomState::new().hash_one(0) % SEEDS)
 }
 

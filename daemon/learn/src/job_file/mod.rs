@@ -63,6 +63,13 @@ pub struct TaughtActivity {
     pub ius: Vec<TaughtIu>,
 }
 
+impl TaughtActivity {
+    /// The contexts of its IUs in order.
+    pub fn contexts(&self) -> Vec<Context> {
+        self.ius.iter().map(|iu| iu.context).collect()
+    }
+}
+
 /// What stands between an activity and one before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -248,7 +255,7 @@ impl JobFile {
     /// The contexts of the IUs of an activity, as most runs have it.
     pub fn step_contexts(&self, number: usize) -> Vec<Context> {
         let first = self.activities.iter().find(|taught| usize::from(taught.activity) == number);
-        first.into_iter().flat_map(|taught| &taught.ius).map(|iu| iu.context).collect()
+        first.map(TaughtActivity::contexts).unwrap_or_default()
     }
 
     /// What an activity of the job is called: by the file, or else by what is done with which parts.

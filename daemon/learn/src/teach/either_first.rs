@@ -22,13 +22,12 @@ pub(super) fn add(
     options: &TeachOptions,
 ) {
     for (index, sequence) in agreement.sequences.iter().enumerate() {
-        let taught = &activities[index];
-        let rest = TaughtActivity {
-            activity: taught.activity,
-            ius: taught.ius.get(1..).unwrap_or_default().to_vec(),
-        };
-        if may_be_second(sequence, runs, options) && has_room(activities, &rest) {
-            activities.push(rest);
+        if may_be_second(sequence, runs, options) {
+            let mut rest = activities[index].clone();
+            rest.ius.remove(0);
+            if has_room(activities, &rest) {
+                activities.push(rest);
+            }
         }
     }
 }
@@ -64,10 +63,9 @@ fn may_be_second(sequence: &Sequence, runs: &[Run], options: &TeachOptions) -> b
 
 /// Whether one more nominal activity, which is none of these yet, can be judged beside them.
 fn has_room(activities: &[TaughtActivity], more: &TaughtActivity) -> bool {
-    let contexts = |taught: &TaughtActivity| taught.ius.iter().map(|iu| iu.context).collect::<Vec<_>>();
     let has =
-        |context: Context| activities.iter().filter(|taught| contexts(taught).contains(&context)).count();
-    let is_new = activities.iter().all(|taught| contexts(taught) != contexts(more));
+        |context: Context| activities.iter().filter(|taught| taught.contexts().contains(&context)).count();
+    let is_new = activities.iter().all(|taught| taught.contexts() != more.contexts());
     is_new && activities.len() < ACTIVITIES && more.ius.iter().all(|iu| has(iu.context) < COMPARISONS)
 }
 
@@ -86,7 +84,7 @@ mod tests {
     const PLATE: u16 = 5;
     const CLOTH: u16 = 6;
 
-    /// The right hand takes the plate at this time and has moved it so far when the left hand brings the cloth, after 2 s.
+    /// The right hand takes the plate at this time and has moved it so far when the left hand brings the cloth, after 12 s.
     fn run(taken_s: f64, path_m: f32) -> Run {
         let header = Header {
             rate_hz: 30.0,
@@ -108,11 +106,11 @@ mod tests {
             is_well_seen: true,
         };
         let held = vec![
-            iu([1, PLATE, 0, 0], path_m, [taken_s, 2.0]),
-            iu([1, PLATE, PLATE, CLOTH], path_m, [2.0, 3.0]),
+            iu([1, PLATE, 0, 0], path_m, [taken_s, 12.0]),
+            iu([1, PLATE, PLATE, CLOTH], path_m, [12.0, 13.0]),
         ];
         let brought =
-            vec![iu([2, CLOTH, 0, 0], 0.2, [1.0, 2.0]), iu([2, CLOTH, CLOTH, PLATE], 0.2, [2.0, 5.0])];
+            vec![iu([2, CLOTH, 0, 0], 0.2, [11.0, 12.0]), iu([2, CLOTH, CLOTH, PLATE], 0.2, [12.0, 15.0])];
         run.activities =
             vec![Activity { side: Side::Right, ius: held }, Activity { side: Side::Left, ius: brought }];
         run
@@ -126,10 +124,12 @@ mod tests {
 
     #[test]
     fn a_hand_that_holds_a_part_still_may_be_the_second_one_there_unless_the_runs_show_an_order() {
-        let soon = [0.4, 1.2, 0.9, 1.5, 0.7].map(|taken_s| run(taken_s, 0.0));
+        let taken =
+            |first_s: f64, path_m| [0.0, 0.8, 0.5, 1.1, 0.3].map(|later_s| run(first_s + later_s, path_m));
         // Of the two hands it is only the one to which something is brought.
-        assert_eq!(may_be_second_in(&soon).iter().filter(|may_be| **may_be).count(), 1);
-        let carried = [0.4, 1.2, 0.9, 1.5, 0.7].map(|taken_s| run(taken_s, 0.2));
-        assert!(!may_be_second_in(&carried).contains(&true), "both hands bring what they hold");
+        let soon = may_be_second_in(&taken(10.4, 0.0));
+        assert_eq!(soon.iter().filter(|may_be| **may_be).count(), 1);
+        assert!(!may_be_second_in(&taken(0.4, 0.0)).contains(&true), "it takes its part long before");
+        assert!(!may_be_second_in(&taken(10.4, 0.2)).contains(&true), "both hands bring what they hold");
     }
 }

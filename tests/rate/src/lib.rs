@@ -1,4 +1,4 @@
-//! Whether a count contradicts the rate that is wanted.
+//! Whether a count contradicts the rate that is wanted: the bars of tests that work by chance.
 //!
 //! A test that works by chance draws other people, errors or deletions in each run. A floor under the count that one draw has reached would guard
 //! that draw alone, and fail with others by chance. So a bar states the rate that is wanted. It fails only where the count contradicts that rate.
@@ -7,6 +7,8 @@
 //!
 //! A bar takes its cases for independent. Those of one taught job are not quite, so that a bar states a rate with some room below what was
 //! measured, see `tests/MEASUREMENTS.md`. A small sample contradicts only large faults: more cases see smaller ones.
+
+#![forbid(unsafe_code)]
 
 use std::fmt;
 
