@@ -4,29 +4,31 @@ use crate::couple::Context;
 use crate::input::Side;
 
 /// What is judged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Level {
     /// One IU.
     Iu,
     /// One activity.
     Activity,
     /// The whole job.
+    #[default]
     Job,
 }
 
 /// How it came out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Outcome {
     /// It is right.
     Ok,
     /// It cannot be right any more.
     Anomaly,
     /// There was too little to decide by.
+    #[default]
     NotJudged,
 }
 
 /// The rule that decided.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reason {
     /// Nothing is wrong.
     None,
@@ -43,6 +45,7 @@ pub enum Reason {
     /// The activity or the job ended before it was complete.
     NotCompleted,
     /// There was nothing to compare it with.
+    #[default]
     Unknown,
     /// Too little was seen, and it is not known of what.
     Blind,
@@ -150,8 +153,8 @@ pub struct Measured {
     pub shown_max: f32,
 }
 
-/// One verdict.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// One verdict. The default says nothing: a job that was not judged.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Verdict {
     /// What is judged.
     pub level: Level,

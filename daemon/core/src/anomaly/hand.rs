@@ -277,12 +277,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             seen_percent: iu.seen_percent(),
             missing,
             measured,
-            broken: None,
-            note: None,
             early,
             began_ns: iu.began_ns,
             ended_ns: iu.ended_ns.unwrap_or(progress.now_ns),
             decided_ns: progress.known_ns,
+            ..Verdict::default()
         });
         if is_wrong {
             self.conclude_activity(Outcome::Anomaly, reason.into(), nominal, true, progress, emit);
@@ -359,12 +358,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             side: Some(self.side),
             nearest: nominal.and_then(|nominal| progress.number(nominal)),
             activity: activity.number,
-            iu: None,
             context: activity.context,
-            distance: None,
-            threshold: None,
-            captured_percent: None,
-            seen_percent: None,
             missing,
             measured,
             broken,
@@ -374,6 +368,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             // After an early anomaly the activity still continues.
             ended_ns: if early && outcome == Outcome::Anomaly { progress.now_ns } else { activity.ended_ns },
             decided_ns: progress.known_ns,
+            ..Verdict::default()
         });
     }
 }

@@ -2,9 +2,8 @@
 
 use super::super::occlusion::Cause;
 use super::{Fault, Progress};
-use crate::couple::Context;
 use crate::set::ActivitySet;
-use crate::verdict::{Level, Outcome, Reason, Verdict};
+use crate::verdict::{Outcome, Reason, Verdict};
 
 impl Progress<'_> {
     /// Gives the verdict on the job once all activities have come that may come, or when it has `ended`. One that has not begun has none.
@@ -27,27 +26,19 @@ impl Progress<'_> {
             return;
         }
         let verdict = Verdict {
-            level: Level::Job,
             outcome,
             reason: fault.reason,
-            side: None,
             nearest: fault.nearest,
             activity: self.state.activities,
-            iu: None,
-            context: Context::IDLE,
-            distance: None,
-            threshold: None,
-            captured_percent: None,
-            seen_percent: None,
             missing: fault.missing,
             measured: fault.measured,
             broken: fault.broken,
             note: self.state.note,
-            early: false,
             began_ns: self.state.began_ns,
             // A job that began on command may end before the frame that it was to begin with.
             ended_ns: self.now_ns.max(self.state.began_ns),
             decided_ns: self.known_ns,
+            ..Verdict::default()
         };
         if let Some(began_ns) = self.state.unseen_since_ns.take_if(|_| outcome == Outcome::Ok) {
             let (outcome, reason) = (Outcome::NotJudged, Reason::HandNotSeen);
