@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::line::andond;
+use std::fs::File;
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
@@ -15,6 +16,9 @@ pub fn python() -> PathBuf {
             .output()
             .is_ok_and(|o| o.status.success())
     };
+    // Several test programs want it at the same time, and two that make it would each remove what the other has made.
+    let lock = File::create(venv.with_extension("lock")).unwrap();
+    lock.lock().unwrap();
     if is_complete() {
         return python;
     }
