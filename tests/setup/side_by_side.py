@@ -19,12 +19,14 @@ import shlex
 import subprocess
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from pathlib import Path
 
-# Twice as many as there are processors would make a machine of two so busy that more is waited for than gained.
-PROGRAMS = 1 + (os.cpu_count() or 1)
-# The page that says what each program took. Those that took longest begin first: at the end nothing else is left to run beside them.
+PROCESSORS = os.cpu_count() or 1
+# A line of programs waits for others in most of its time, but more of them would make a machine so busy that they wait in vain.
+PROGRAMS = 2 + PROCESSORS
+# The page that says what each program took. Those that took longest begin first: at the end nothing else is left to run beside them. What computes
+# begins beside what waits: three that compute on two processors take more than twice as long as one after the other.
 TIMES = Path(__file__).parents[1] / "TIMES.md"
 # The camera's library plays a recording by the clock and pairs pictures by when they come: beside others it loses some.
 ALONE = ["recording"]
@@ -51,10 +53,34 @@ def programs(arguments):
         sys.exit(1)
     messages = [json.loads(line) for line in built.stdout.splitlines()]
     tests = [said for said in messages if said.get("executable") and said["profile"]["test"]]
-    found = [(said["target"]["name"], Path(said["manifest_path"]).parent, said["executable"]) for said in tests]
+    return [(said["target"]["name"], Path(said["manifest_path"]).parent, said["executable"]) for said in tests]
+
+
+def known_times():
+    """What each program took, by the page: seconds by the clock, and of a processor."""
     rows = (line.split("|") for line in TIMES.read_text().splitlines() if line.startswith("| "))
-    took = {name.strip(): float(seconds) for _, name, seconds, *_ in rows if seconds.strip().isdigit()}
-    return sorted(found, key=lambda one: (-took.get(one[0], 0.0), one))
+    known = ((name.strip(), took, computed) for _, name, took, computed, *_ in rows if took.strip().isdigit())
+    return {name: (float(took), float(computed)) for name, took, computed in known}
+
+
+def side_by_side(found):
+    """Runs the programs, as many at a time as the processors bear. What each took, in the order in which they ended."""
+    known = known_times()
+    waiting = sorted(found, key=lambda program: (-known.get(program[0], (0, 0))[0], program))
+    ran, running = [], {}
+    with ThreadPoolExecutor(PROGRAMS) as beside:
+        while waiting or running:
+            for program in list(waiting):
+                took, computed = known.get(program[0], (0, 0))
+                # What is not known takes a moment.
+                load = computed / took if took else 0
+                if len(running) < PROGRAMS and (not running or sum(running.values()) + load <= PROCESSORS):
+                    waiting.remove(program)
+                    running[beside.submit(run, program)] = load
+            for ended in wait(running, return_when=FIRST_COMPLETED).done:
+                del running[ended]
+                ran.append(ended.result())
+    return ran
 
 
 def run(program):
@@ -84,7 +110,7 @@ def times(ran, total_s):
     lines = [f"| {name} | {took:.0f} | {computed:.0f} |" for name, took, computed in rows]
     head = f"""# What each test program takes
 
-`make test-times` writes this page. It is from one run on one machine ({os.cpu_count()} processors, {platform.machine()}), with up to
+`make test-times` writes this page. It is from one run on one machine ({PROCESSORS} processors, {platform.machine()}), with up to
 {PROGRAMS} programs side by side. Compare rows of one page with each other, or two pages of one machine. *Seconds* are by the clock,
 beside the others; *processor* is what the program and the processes that it waited for computed. All together: {total_s:.0f} s.
 
@@ -104,8 +130,7 @@ def main():
     began = time.monotonic()
     found = programs(arguments)
     ran = [run(program) for program in found if program[0] in ALONE]
-    with ThreadPoolExecutor(PROGRAMS) as beside:
-        ran += beside.map(run, [program for program in found if program[0] not in ALONE])
+    ran += side_by_side([program for program in found if program[0] not in ALONE])
     total_s = time.monotonic() - began
     longest = ", ".join(f"{name} {took:.0f} s" for took, _, name, _ in sorted(ran, reverse=True)[:15])
     failed = [name for _, _, name, is_well in ran if not is_well]
