@@ -2,7 +2,7 @@
 //! is one row for each state of not watching, and one check for each way out.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_ipc::Reader;
+use andon_ipc::{Channel, Reader};
 use andon_tests::line::{
     Counted, Line, PATIENCE, Shift, Watcher, account, andond, kept, measure, root, samples, scrape, soft_plc,
     stand_in, tally, told_last, verdicts,
@@ -62,47 +62,68 @@ fn check(state: &State) {
     assert_nothing_is_learnt_of_it(&line);
 }
 
-/// A row in which a role does not run for some seconds: only the line can know it.
-fn check_down(role: &'static str, goes_down: impl Fn(&mut Line), comes_back: impl Fn(&mut Line)) {
+/// A row in which a role does not run for some seconds: only the line can know it. The newest detections wait for a role that is only stopped, as many
+/// as `kept`: how long that is depends on how fast the machine detects. Only what came before them is lost.
+fn check_down(
+    role: &'static str,
+    kept: usize,
+    goes_down: impl Fn(&mut Line),
+    comes_back: impl Fn(&mut Line),
+) {
     let filter = ["-i", RUN, "-vf", NOISE];
     let mut line = Line::with_film("speed = \"file\"", "", &filter);
     let mut unseen_s = [0.0; 2];
     let spans = played(&mut line, |line, watcher| {
         let node = stand_in(line, RoleId::Tool);
         let mut detections = node.reader().unwrap();
-        let before_s = until_detected(watcher, &mut detections, UNSEEN_S[0]);
+        let before_s = until_detected(watcher, &mut detections, 0, UNSEEN_S[0]);
         goes_down(line);
         unseen_s[0] = newest_detected(&mut detections).unwrap_or(before_s);
         if role == "perceive" {
             std::thread::sleep(Duration::from_secs_f64(UNSEEN_S[1] - UNSEEN_S[0]));
             comes_back(line);
             // Nothing was detected meanwhile: what it sees first is the end.
-            unseen_s[1] = until_detected(watcher, &mut detections, unseen_s[0] + 1.0);
+            unseen_s[1] = until_detected(watcher, &mut detections, 0, unseen_s[0] + 1.0);
         } else {
-            unseen_s[1] = until_detected(watcher, &mut detections, unseen_s[0] + UNSEEN_S[1] - UNSEEN_S[0]);
+            unseen_s[1] =
+                until_detected(watcher, &mut detections, kept, unseen_s[0] + UNSEEN_S[1] - UNSEEN_S[0]);
             comes_back(line);
         }
     });
     assert_nothing_rests_on(&spans, unseen_s);
 }
 
-/// The time in the film of the newest frame in which was looked for something, in seconds, if there is a new one. Infinite at its end, which a slow
-/// machine may reach without many frames.
-fn newest_detected(detections: &mut Reader<Detections>) -> Option<f64> {
-    let mut newest_s = None;
-    while let Some(found) = detections.take().unwrap() {
+/// The times in the film of the new frames in which was looked for something, in seconds. Infinite at its end, which a slow machine may reach without
+/// many frames.
+fn detected(detections: &mut Reader<Detections>) -> Vec<f64> {
+    let next = || {
+        let found = detections.take().unwrap()?;
         let is_end = found.flags & flag::END_OF_STREAM != 0;
-        newest_s = Some(if is_end { f64::INFINITY } else { found.source_ns as f64 / 1e9 });
-    }
-    newest_s
+        Some(if is_end { f64::INFINITY } else { found.source_ns as f64 / 1e9 })
+    };
+    std::iter::from_fn(next).collect()
 }
 
-/// As [`newest_detected`]; waits until it comes after this time.
-fn until_detected(watcher: &mut Watcher, detections: &mut Reader<Detections>, after_s: f64) -> f64 {
+/// The newest of [`detected`].
+fn newest_detected(detections: &mut Reader<Detections>) -> Option<f64> {
+    detected(detections).last().copied()
+}
+
+/// The newest of [`detected`] that is lost to who keeps as many of those after it; waits until it comes after this time.
+fn until_detected(
+    watcher: &mut Watcher,
+    detections: &mut Reader<Detections>,
+    kept: usize,
+    after_s: f64,
+) -> f64 {
     let until = Instant::now() + PATIENCE;
+    let mut all_s = Vec::new();
     loop {
-        if let Some(newest_s) = newest_detected(detections).filter(|newest_s| *newest_s >= after_s) {
-            return newest_s;
+        all_s.extend(detected(detections));
+        let lost_s = all_s.iter().rev().nth(kept);
+        let is_end = all_s.last().is_some_and(|newest_s| newest_s.is_infinite());
+        if let Some(lost_s) = lost_s.filter(|lost_s| is_end || **lost_s >= after_s) {
+            return *lost_s;
         }
         assert!(Instant::now() < until, "no frame after {after_s} s");
         watcher.listen(Duration::from_millis(5));
@@ -357,6 +378,7 @@ fn nothing_rests_on_parts_that_move_while_no_hand_is_found() {
 fn check_stopped(role: &'static str) {
     check_down(
         role,
+        Channel::Detections.qos().buffer,
         |line| line.role(role).signal(Signal::STOP),
         |line| line.role(role).signal(Signal::CONT),
     );
@@ -366,6 +388,7 @@ fn check_stopped(role: &'static str) {
 fn check_killed(role: &'static str) {
     check_down(
         role,
+        0,
         |line| line.role(role).kill(),
         |line| {
             line.start(role);
