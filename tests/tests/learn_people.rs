@@ -196,7 +196,8 @@ fn people_who_work_by_feel_are_judged_by_what_their_other_runs_teach() {
     });
     done.unwrap();
     println!("right / accused / not judged");
-    for (set, counts) in counts.into_inner().unwrap() {
+    let counts = counts.into_inner().unwrap();
+    for (set, counts) in &counts {
         println!("{set:?}: {}", counts.line());
     }
     let total = total.into_inner().unwrap();
@@ -206,28 +207,32 @@ fn people_who_work_by_feel_are_judged_by_what_their_other_runs_teach() {
         // Too little of these is taught for a bar.
         return;
     }
-    rate(&total.right_runs, Said::Accused).expect_at_most(MAX_ACCUSED, "right runs accused");
-    rate(&total.lapses, Said::Accused).expect_at_least(MIN_FOUND, "lapses found");
-    rate(&total.lapses, Said::Right).expect_at_most(MAX_CALLED_RIGHT, "lapses called right");
+    let lapses = |said| Rate::of_groups(counts.values().map(|of_set| rate(&of_set.lapses, said)));
+    let right_runs = |said| Rate::of_groups(counts.values().map(|of_set| rate(&of_set.right_runs, said)));
+    right_runs(Said::Accused).expect_at_most(MAX_ACCUSED, "right runs accused");
+    lapses(Said::Accused).expect_at_least(MIN_FOUND, "lapses found");
+    lapses(Said::Right).expect_at_most(MAX_CALLED_RIGHT, "lapses called right");
 }
 
 #[test]
 fn people_who_work_by_feel_are_judged_by_what_another_person_teaches() {
     let (sets, by_boxes) = sets();
-    let total: Mutex<BTreeMap<Said, u32>> = Mutex::default();
+    let counts: Mutex<Vec<BTreeMap<Said, u32>>> = Mutex::default();
     let done = workers::for_each(&sets, |set| {
         let Ok((job, _)) = set.taught_without(None) else { return Ok::<(), Infallible>(()) };
         let another = Set { person: set.person + 1, ..*set };
         let all: Vec<Said> = (0..RUNS).map(|run| said(&job, &another.recording(run, None))).collect();
         println!("{set:?}, judged on person {}: {all:?}", another.person);
-        all.into_iter().for_each(|said| *total.lock().unwrap().entry(said).or_default() += 1);
+        let mut of_set = BTreeMap::new();
+        all.into_iter().for_each(|said| *of_set.entry(said).or_default() += 1);
+        println!("right / accused / not judged: {}", words(&of_set));
+        counts.lock().unwrap().push(of_set);
         Ok(())
     });
     done.unwrap();
-    let total = total.into_inner().unwrap();
-    println!("right / accused / not judged: {}", words(&total));
+    let accused = counts.into_inner().unwrap().into_iter().map(|of_set| rate(&of_set, Said::Accused));
     if !by_boxes {
-        rate(&total, Said::Accused)
+        Rate::of_groups(accused)
             .expect_at_most(MAX_ACCUSED_OF_ANOTHER, "right runs of another person accused");
     }
 }

@@ -29,8 +29,7 @@ const MIN_FOUND_AT_WORKSHOP: f64 = 0.65;
 /// The share of the faults of others that may be called right.
 const MAX_CALLED_RIGHT: f64 = 0.02;
 
-/// The same where all is seen inexactly. The cases of one draw are not independent. A job that was taught too leniently calls all six of its faults
-/// right, so that these bars have room for one such job.
+/// The same where all is seen inexactly.
 const MIN_ACCEPTED_INEXACT: f64 = 0.85;
 const MAX_CALLED_RIGHT_INEXACT: f64 = 0.05;
 
@@ -87,23 +86,23 @@ fn expect_right_and_found(people: People, min_accepted: f64, max_called_right: f
     let (mut accepted, mut called_right) = (Vec::new(), Vec::new());
     for work in TwoHanded::ALL {
         let job = people.taught(work);
-        for person in 6..18 {
+        accepted.push(Rate::of((6..18).map(|person| {
             let verdicts = judged(&job, &people.recording(work, person, false));
             if !is_right(&verdicts) {
                 println!("{work:?} of person {person} is not right; accused: {}", is_accused(&verdicts));
             }
-            accepted.push(is_right(&verdicts));
-        }
-        for person in 6..12 {
+            is_right(&verdicts)
+        })));
+        called_right.push(Rate::of((6..12).map(|person| {
             let is_right = is_right(&judged(&job, &people.recording(work, person, true)));
             if is_right {
                 println!("the fault in {work:?} of person {person} is called right");
             }
-            called_right.push(is_right);
-        }
+            is_right
+        })));
     }
-    Rate::of(accepted).expect_at_least(min_accepted, "accepted");
-    Rate::of(called_right).expect_at_most(max_called_right, "faults called right");
+    Rate::of_groups(accepted).expect_at_least(min_accepted, "accepted");
+    Rate::of_groups(called_right).expect_at_most(max_called_right, "faults called right");
 }
 
 #[test]
@@ -180,15 +179,15 @@ fn workshop_judged(seen: impl Fn(Recording) -> Recording) -> [Rate; 3] {
     let [mut right, mut found, mut called_right] = [const { Vec::new() }; 3];
     for first in [1, 101, 201] {
         let job = taught_by(&(first..first + 5).map(|person| shown(person, false)).collect::<Vec<_>>());
-        for person in first + 5..first + 17 {
-            let [right_job, faulty_job] =
-                [false, true].map(|is_faulty| shown(person, is_faulty).judge(&job).unwrap());
-            right.push(is_right(&right_job));
-            found.push(is_accused(&faulty_job));
-            called_right.push(is_right(&faulty_job));
-        }
+        let judged = |is_faulty| -> Vec<Vec<Verdict>> {
+            (first + 5..first + 17).map(|person| shown(person, is_faulty).judge(&job).unwrap()).collect()
+        };
+        let [right_jobs, faulty_jobs] = [false, true].map(judged);
+        right.push(Rate::of(right_jobs.iter().map(|job| is_right(job))));
+        found.push(Rate::of(faulty_jobs.iter().map(|job| is_accused(job))));
+        called_right.push(Rate::of(faulty_jobs.iter().map(|job| is_right(job))));
     }
-    [right, found, called_right].map(Rate::of)
+    [right, found, called_right].map(Rate::of_groups)
 }
 
 #[test]
@@ -247,14 +246,13 @@ fn a_judge_that_did_not_see_the_start_finds_faults_by_the_parts_that_lie_where_t
     let (people, mut found, mut called_right) = (People::drawn(), Vec::new(), Vec::new());
     for work in TwoHanded::ALL {
         let job = people.taught(work);
-        for person in 6..12 {
-            let verdicts = deletion::judged(&job, &people.recording(work, person, true));
-            found.push(is_accused(&verdicts));
-            called_right.push(is_right(&verdicts));
-        }
+        let judged = |person| deletion::judged(&job, &people.recording(work, person, true));
+        let all: Vec<Vec<Verdict>> = (6..12).map(judged).collect();
+        found.push(Rate::of(all.iter().map(|verdicts| is_accused(verdicts))));
+        called_right.push(Rate::of(all.iter().map(|verdicts| is_right(verdicts))));
     }
-    Rate::of(called_right).expect_at_most(MAX_CALLED_RIGHT, "called right");
-    Rate::of(found).expect_at_least(MIN_FOUND, "found");
+    Rate::of_groups(called_right).expect_at_most(MAX_CALLED_RIGHT, "called right");
+    Rate::of_groups(found).expect_at_least(MIN_FOUND, "found");
 }
 
 /// `ANDON_CASES` chooses how many deletions.

@@ -5,8 +5,10 @@
 //! That is where the rate would give so few, or so many, in less than one of [`DRAWS_PER_FALSE_ALARM`] draws. That is the exact test of a binomial
 //! count. It is the same as whether the one-sided interval of the counted rate (Clopper and Pearson, 99.9 %) misses the wanted one.
 //!
-//! A bar takes its cases for independent. Those of one taught job are not quite, so that a bar states a rate with some room below what was
-//! measured, see `tests/MEASUREMENTS.md`. A small sample contradicts only large faults: more cases see smaller ones.
+//! The test takes the cases for independent. Those of one taught job are not: a job that was taught too leniently misses all of its faults. So a
+//! rate over several jobs is put [together](Rate::of_groups) from theirs. It counts for as many independent cases as its scatter shows (J. N. K. Rao
+//! and A. J. Scott, "A simple method for the analysis of clustered binary data", Biometrics 48, 1992). A small sample contradicts only large faults:
+//! more cases see smaller ones.
 
 #![forbid(unsafe_code)]
 
@@ -20,10 +22,12 @@ pub const DRAWS_PER_FALSE_ALARM: f64 = 1000.0;
 const QUANTILE_95: f64 = 1.96;
 
 /// In how many of some cases something was so.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rate {
     count: u64,
     of: u64,
+    /// For how many of these cases one independent case counts, at least 1.
+    design_effect: f64,
 }
 
 impl Rate {
@@ -33,7 +37,7 @@ impl Rate {
     /// If it is more than all of them.
     pub fn new(count: usize, of: usize) -> Self {
         assert!(count <= of, "{count} of {of}");
-        Self { count: count as u64, of: of as u64 }
+        Self { count: count as u64, of: of as u64, design_effect: 1.0 }
     }
 
     /// In how many of these cases it is so.
@@ -41,6 +45,15 @@ impl Rate {
         let (mut count, mut of) = (0, 0);
         cases.into_iter().for_each(|is_so| (count, of) = (count + usize::from(is_so), of + 1));
         Self::new(count, of)
+    }
+
+    /// In how many cases of all groups it is so, where the cases of one group resemble each other. A single group tells nothing of its likeness, so
+    /// that its cases are taken for independent.
+    pub fn of_groups(groups: impl IntoIterator<Item = Self>) -> Self {
+        let groups: Vec<Self> = groups.into_iter().collect();
+        let count = groups.iter().map(|group| group.count).sum();
+        let of = groups.iter().map(|group| group.of).sum();
+        Self { count, of, design_effect: design_effect(&groups, count as f64 / of as f64) }
     }
 
     /// Fails where the count is so small that it contradicts this rate.
@@ -72,7 +85,7 @@ impl Rate {
         if self.of == 0 {
             return [0.0, 1.0];
         }
-        let (of, share) = (self.of as f64, self.count as f64 / self.of as f64);
+        let (of, share) = (self.of as f64 / self.design_effect, self.count as f64 / self.of as f64);
         let square = QUANTILE_95 * QUANTILE_95;
         let middle = share + square / (2.0 * of);
         let half = QUANTILE_95 * (share * (1.0 - share) / of + square / (4.0 * of * of)).sqrt();
@@ -81,7 +94,14 @@ impl Rate {
 
     /// The cases in which it was not so.
     fn others(self) -> Self {
-        Self { count: self.of - self.count, of: self.of }
+        Self { count: self.of - self.count, ..self }
+    }
+
+    /// As few independent cases as tell as much. Of two whole counts it is the larger one, so that it contradicts no more.
+    fn independent(self) -> Self {
+        let of = (self.of as f64 / self.design_effect).round();
+        let count = (self.count as f64 * of / self.of as f64).ceil();
+        Self::new(count as usize, of as usize)
     }
 
     /// Whether this rate gives so few or fewer in less than one of [`DRAWS_PER_FALSE_ALARM`] draws.
@@ -95,7 +115,7 @@ impl Rate {
         if rate <= 0.0 {
             return false;
         }
-        self.chance_of_so_few(rate) < 1.0 / DRAWS_PER_FALSE_ALARM
+        self.independent().chance_of_so_few(rate) < 1.0 / DRAWS_PER_FALSE_ALARM
     }
 
     /// How probable it is that this rate gives so few or fewer: the lower tail of the binomial distribution. Its terms are logarithms, because the
@@ -110,6 +130,17 @@ impl Rate {
         }
         sum
     }
+}
+
+/// By how much the variance of the share over these groups is larger than that of as many independent cases.
+fn design_effect(groups: &[Rate], share: f64) -> f64 {
+    let deviation = |group: &Rate| group.count as f64 - group.of as f64 * share;
+    let squares: f64 = groups.iter().map(|group| deviation(group).powi(2)).sum();
+    let of: f64 = groups.iter().map(|group| group.of as f64).sum();
+    let number = groups.len() as f64;
+    let effect = number / (number - 1.0) * squares / (of * share * (1.0 - share));
+    // Without scatter, with one group or with none it is no number.
+    if effect.is_finite() { effect.clamp(1.0, of) } else { 1.0 }
 }
 
 impl fmt::Display for Rate {
@@ -156,6 +187,23 @@ mod tests {
         assert!(holds(|| Rate::new(0, 3).expect_at_most(0.0, "accused")));
         assert!(!holds(|| Rate::new(1, 3).expect_at_most(0.0, "accused")));
         assert!(holds(|| Rate::new(0, 0).expect_at_least(0.9, "nothing was counted")));
+    }
+
+    /// By hand: six groups of five, all or nothing, are six cases.
+    #[test]
+    fn cases_of_one_group_count_for_as_many_as_their_scatter_shows() {
+        let groups = |counts: &[usize]| Rate::of_groups(counts.iter().map(|count| Rate::new(*count, 5)));
+        let alike = groups(&[5, 5, 5, 0, 0, 0]);
+        assert!((alike.design_effect - 6.0).abs() < 1e-9, "{}", alike.design_effect);
+        assert_eq!(alike.independent(), Rate::new(3, 5));
+        assert!(
+            holds(|| alike.expect_at_least(0.8, "right"))
+                && !holds(|| Rate::new(15, 30).expect_at_least(0.8, "right"))
+        );
+        assert!(!holds(|| groups(&[3, 2, 3, 2, 3, 2]).expect_at_least(0.8, "right")));
+        assert!(!holds(|| groups(&[0; 6]).expect_at_least(0.8, "right")));
+        assert_eq!(groups(&[4]).independent(), Rate::new(4, 5));
+        assert_eq!(groups(&[]).interval(), [0.0, 1.0]);
     }
 
     /// Wilson's interval of 81 of 263 is 25.5 to 36.6 % (Newcombe 1998, table I).
