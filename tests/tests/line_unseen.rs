@@ -56,10 +56,13 @@ fn check(state: &State) {
     let mut line = Line::with_film("speed = \"max\"", state.perception, &ffmpeg);
     let spans = played(&mut line, |_, _| ());
     assert_nothing_rests_on(&spans, UNSEEN_S);
-    let replayed = replayed(&line);
+    // To look for hands and markers is most of what a replay and `teach` compute: it is done once for both.
+    let seen = line.path("film.tracks.jsonl");
+    write_tracks(&line.path("film.mkv"), &line.config(), &seen);
+    let replayed = replayed(&line, &seen);
     assert_nothing_rests_on(&replayed, UNSEEN_S);
     assert_eq!(replayed.len(), spans.len());
-    assert_nothing_is_learnt_of_it(&line);
+    assert_nothing_is_learnt_of_it(&line, &seen);
 }
 
 /// A row in which a role does not run for some seconds: only the line can know it. The newest detections wait for a role that is only stopped, as many
@@ -253,14 +256,14 @@ fn until(what: &str, holds: impl Fn() -> bool) {
     }
 }
 
-/// What a replay of the line's film says.
-fn replayed(line: &Line) -> Vec<Span> {
+/// What a replay of the line's film says, with what is seen in it.
+fn replayed(line: &Line, seen: &Path) -> Vec<Span> {
     let output = Command::new(andond())
         .args(["replay", "--json", "-c"])
         .arg(line.config())
         .arg("--job")
         .arg(root().join("config/jobs/polish-and-measure.toml"))
-        .arg(line.path("film.mkv"))
+        .arg(seen)
         .output()
         .unwrap();
     String::from_utf8(output.stdout)
@@ -274,14 +277,14 @@ fn replayed(line: &Line) -> Vec<Span> {
         .collect()
 }
 
-/// Teaches a job by the line's film and by films of which all was seen. The IU that was not seen is learnt from these alone.
-fn assert_nothing_is_learnt_of_it(line: &Line) {
+/// Teaches a job by the line's film, with what is seen in it, and by films of which all was seen. The IU that was not seen is learnt from these alone.
+fn assert_nothing_is_learnt_of_it(line: &Line, seen: &Path) {
     // What is in them is the same for every row, and a film takes long.
     static TRACKS: OnceLock<Vec<Vec<u8>>> = OnceLock::new();
     let tracks = TRACKS.get_or_init(|| OTHERS.map(|run| tracks_of(line, run)).into());
     let mut teach = Command::new(andond());
     teach.args(["teach", "-c"]).arg(line.config()).arg("--out").arg(line.path("taught.toml"));
-    teach.arg(line.path("film.mkv"));
+    teach.arg(seen);
     for (run, tracks) in OTHERS.iter().zip(tracks) {
         let path = line.path(&format!("{run}.tracks.jsonl"));
         fs::write(&path, tracks).unwrap();
@@ -290,29 +293,27 @@ fn assert_nothing_is_learnt_of_it(line: &Line) {
     let output = teach.stderr(Stdio::inherit()).output().unwrap();
     let said = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success(), "{said}");
-    let is_told = said.contains("too little was seen of film.mkv in step 1, IU 2 ")
-        || said.contains("left out was film.mkv: ");
+    let is_told = said.contains("too little was seen of film.tracks.jsonl in step 1, IU 2 ")
+        || said.contains("left out was film.tracks.jsonl: ");
     let is_learnt_from = |runs: &str| said.contains(&format!("\n   1   2      {runs}  "));
     assert!(is_told && is_learnt_from("4"), "{said}");
 }
 
 /// What is seen in a shipped film.
 fn tracks_of(line: &Line, run: &str) -> Vec<u8> {
-    let out = line.path("other.tracks.jsonl");
-    let status = Command::new(andond())
-        .arg("tracks")
-        .arg(root().join(format!("tests/footage/{run}.mp4")))
-        .arg("-c")
-        .arg(root().join("config/stations/demo.toml"))
-        .arg("--out")
-        .arg(&out)
-        .stdout(Stdio::null())
-        .status()
-        .unwrap();
-    assert!(status.success());
-    let tracks = fs::read(&out).unwrap();
-    fs::remove_file(out).unwrap();
+    let (footage, demo) = (root().join("tests/footage"), root().join("config/stations/demo.toml"));
+    let path = line.path("other.tracks.jsonl");
+    write_tracks(&footage.join(format!("{run}.mp4")), &demo, &path);
+    let tracks = fs::read(&path).unwrap();
+    fs::remove_file(path).unwrap();
     tracks
+}
+
+/// Writes what is seen in a film, by this configuration.
+fn write_tracks(film: &Path, config: &Path, out: &Path) {
+    let mut tracks = Command::new(andond());
+    tracks.arg("tracks").arg(film).arg("-c").arg(config).arg("--out").arg(out);
+    assert!(tracks.stdout(Stdio::null()).status().unwrap().success());
 }
 
 /// A state lasts a little longer than the picture shows it, so what only touches its ends does not depend on it.
