@@ -1,7 +1,7 @@
 //! Which measure of an IU is not right.
 
 use super::observation::{ENDS, HIDDEN_SLACK, IuObservation};
-use crate::bounds::{Around, Range};
+use crate::bounds::Around;
 use crate::job::{MeasureBounds, NominalIu, Shown};
 use crate::segment::{MOVED_M, Measures};
 use crate::verdict::{Measure, Measured, Reason};
@@ -24,7 +24,9 @@ impl IuObservation {
             if may_be_hidden { self.possible_reversals() } else { self.assumed_reversals() };
         let MeasureBounds { path_m, .. } = iu.measures;
         let speed = path_m.max.min(f32::MAX) / iu.quickest().max(1) as f32;
-        let hidden_m = hidden * self.frames as f32 * speed;
+        // What was hidden may have been faster than the rest.
+        let share = HIDDEN_SLACK * hidden;
+        let hidden_m = share * self.frames as f32 * speed;
         let Measures { reversals, path_m: walked_m, detour_m, lateral_m, unseen_before_way, .. } =
             self.measures;
         // Which frames were seen decides where the steps of a path end, at each reversal and at last.
@@ -48,7 +50,7 @@ impl IuObservation {
             first(&[
                 (reversals.saturating_add(hidden_reversals) < iu.reversals.min, Measure::Strokes),
                 (max_frames < iu.frames.min as f32, Measure::Duration),
-                (walked_m + hidden_m < path_m.min, Measure::Path),
+                (walked_m + hidden_m + step_m < path_m.min, Measure::Path),
             ])
         };
         if let Some(measure) = too_long {
@@ -56,7 +58,9 @@ impl IuObservation {
         } else if !self.ended {
             return None;
         }
-        let elsewhere = first(&self.elsewhere_broken(&iu.measures, HIDDEN_SLACK * hidden, hidden_m));
+        let unseen_reversals = if may_be_hidden { hidden_reversals } else { 0 };
+        let possible = Possible { share, hidden_m, step_m, reversals: unseen_reversals };
+        let elsewhere = first(&self.elsewhere_broken(&iu.measures, possible));
         match (too_short(), elsewhere) {
             // Strokes that are small or go across are counted badly.
             (Some(Measure::Strokes), Some(other))
@@ -69,19 +73,28 @@ impl IuObservation {
         }
     }
 
-    /// Whether size, direction and place of the motion are wrong, if they may differ by `slack`, a share, and the motion may have gone on for
-    /// `hidden_m`, in metres.
-    fn elsewhere_broken(&self, bounds: &MeasureBounds, slack: f32, hidden_m: f32) -> [(bool, Measure); 3] {
+    /// Whether size, direction and place of the motion are wrong, whatever was hidden.
+    fn elsewhere_broken(&self, bounds: &MeasureBounds, possible: Possible) -> [(bool, Measure); 3] {
         let measures = &self.measures;
-        let is_in = |range: Range, value: f32| {
-            value * (1.0 + slack) >= range.min && value <= range.max * (1.0 + slack)
-        };
-        let is_stroke_right = measures.stroke_m.is_none_or(|stroke_m| is_in(bounds.stroke_m, stroke_m));
+        let moved_m = possible.share * (measures.path_m + possible.hidden_m);
+        let [least, most] = self.possible_stroke_m(possible);
         [
-            (!is_stroke_right, Measure::StrokeLength),
-            (!bounds.axis.has(measures.axis, slack), Measure::Direction),
-            (!bounds.place_m.has(measures.place_m, slack * measures.path_m + hidden_m), Measure::Place),
+            (most < bounds.stroke_m.min || least > bounds.stroke_m.max, Measure::StrokeLength),
+            (!bounds.axis.has(measures.axis, possible.share), Measure::Direction),
+            (!bounds.place_m.has(measures.place_m, moved_m), Measure::Place),
         ]
+    }
+
+    /// The minimum and maximum of the mean length of a stroke. Each reversal that was not seen may have parted the strokes that were, or let one begin
+    /// earlier. All of them are a part of the path.
+    fn possible_stroke_m(&self, possible: Possible) -> [f32; 2] {
+        let Measures { reversals, stroke_m, path_m, .. } = self.measures;
+        let Some(stroke_m) = stroke_m else { return [0.0, f32::INFINITY] };
+        let strokes = (reversals - 1) as f32;
+        let sum_m = stroke_m * strokes;
+        let seen_m = if possible.reversals > 0 { path_m.max(sum_m) } else { sum_m };
+        let most_m = seen_m * (1.0 + possible.share) + possible.step_m;
+        [sum_m / (strokes + possible.reversals as f32), most_m / strokes]
     }
 
     /// What the measure is that breaks this rule, in its unit, beside what was shown of the IU. `rate_hz` is the frame rate of the grid.
@@ -108,6 +121,19 @@ impl IuObservation {
         };
         Some(Measured { measure, value, shown_min, shown_max })
     }
+}
+
+/// What of an IU may have happened unseen.
+#[derive(Clone, Copy)]
+struct Possible {
+    /// How much of it, as a share of the motion that was seen.
+    share: f32,
+    /// Over how long a way, in metres, if it was as fast as anything shown.
+    hidden_m: f32,
+    /// By how much the steps of the path end elsewhere, in metres.
+    step_m: f32,
+    /// How often the motion reversed in it.
+    reversals: u32,
 }
 
 /// The first measure that is broken.
