@@ -321,7 +321,9 @@ fn assert_nothing_rests_on(spans: &[Span], unseen_s: [f64; 2]) {
     let rests = |(began_s, ended_s, _): &&Span| *began_s < unseen_s[1] - 0.2 && *ended_s > unseen_s[0] + 0.2;
     let resting: Vec<_> = spans.iter().filter(rests).collect();
     assert!(resting.iter().all(|(.., outcome)| outcome == "not_judged"), "{unseen_s:?}: {resting:?}");
-    assert!(spans.is_empty() || !resting.is_empty(), "{unseen_s:?}: {spans:?}");
+    // A busy machine may not have seen what was begun before: then the job that lacks it is not judged.
+    let is_told = spans.iter().any(|(.., outcome)| outcome == "not_judged");
+    assert!(spans.is_empty() || is_told, "{unseen_s:?}: {spans:?}");
 }
 
 #[test]
