@@ -9,10 +9,8 @@ use andon_core::object::ObjectShape;
 use andon_rate::Rate;
 use common::bench::{Bench, encode_shapes, shapes};
 use common::cases;
-use common::seed::drawn;
+use common::seed::{drawn, wrong_cases};
 use proptest::prelude::*;
-use proptest::strategy::ValueTree;
-use proptest::test_runner::TestRunner;
 
 /// How many frames a change takes to be believed.
 const PERSIST: usize = 5;
@@ -172,19 +170,14 @@ fn parts() -> Vec<ObjectShape> {
 
 /// The scenes of a seed in which whoever sees less contradicts who sees all, and of how many.
 fn contradicted_scenes(seed: u64) -> (Vec<String>, usize) {
-    let (config, parts) = (cases::with(1_000, seed), parts());
-    let scenes = config.cases;
-    let mut runner = TestRunner::new(config);
+    let parts = parts();
     let scene = (prop::collection::vec([act(), act()], 2..8), prop::collection::vec(gap(), 1..4));
-    let mut wrong = Vec::new();
-    for _ in 0..scenes {
-        let (acts, gaps) = scene.new_tree(&mut runner).unwrap().current();
+    wrong_cases(1_000, seed, &scene, |(acts, gaps)| {
         let frames = Worker::frames(&acts);
         let whole = encode_shapes(&parts, &frames);
         let less = encode_shapes(&parts, &delete(&frames, &gaps));
-        wrong.extend(contradicted(&whole, &less).map(|at| format!("{at:?} {acts:?} {gaps:?}")));
-    }
-    (wrong, scenes as usize)
+        contradicted(&whole, &less).map(|at| format!("{at:?} {acts:?} {gaps:?}"))
+    })
 }
 
 /// Less observed is hardly ever certain of another touch than all observed, and never in the scenes that have always been tried.

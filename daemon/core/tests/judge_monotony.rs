@@ -16,10 +16,8 @@ use common::bench::PERIOD_NS;
 use common::cases;
 use common::gaps::{Gap, gaps, hidden};
 use common::script::{Part, Still, Strokes, Toward, idle, part, short, stream, teach};
-use common::seed::drawn;
+use common::seed::{drawn, wrong_cases};
 use proptest::prelude::*;
-use proptest::strategy::ValueTree;
-use proptest::test_runner::TestRunner;
 
 /// Four activities: strokes, a part that is brought and left, a part that is only moved, and one with the other hand.
 fn activities() -> [Vec<Part>; 4] {
@@ -139,12 +137,7 @@ fn words(verdicts: &[Verdict]) -> Vec<String> {
 
 /// The works of this seed in which right work is accused because not all of it was seen, and of how many.
 fn accused(seed: u64) -> (Vec<String>, usize) {
-    let config = cases::with(5_000, seed);
-    let works = config.cases as usize;
-    let mut runner = TestRunner::new(config);
-    let mut wrong = Vec::new();
-    for _ in 0..works {
-        let (work, gaps) = (work(), gaps()).new_tree(&mut runner).unwrap().current();
+    wrong_cases(5_000, seed, &(work(), gaps()), |(work, gaps)| {
         let (job, couples) = (work.job(), seen(&work.couples()));
         let all_seen = work.judged(&job, &couples);
         assert!(!is_accused(&all_seen), "{work:?}: {:?}", words(&all_seen));
@@ -155,11 +148,8 @@ fn accused(seed: u64) -> (Vec<String>, usize) {
         let gaps: Vec<Gap> =
             gaps.into_iter().map(|(hand, from, frames)| (hand, from.max(first), frames)).collect();
         let verdicts = work.judged(&job, &hidden(&couples, &gaps));
-        if is_accused(&verdicts) {
-            wrong.push(format!("{work:?} {gaps:?}: {:?}", words(&verdicts)));
-        }
-    }
-    (wrong, works)
+        is_accused(&verdicts).then(|| format!("{work:?} {gaps:?}: {:?}", words(&verdicts)))
+    })
 }
 
 fn is_accused(verdicts: &[Verdict]) -> bool {

@@ -18,11 +18,9 @@ use common::bench::PERIOD_NS;
 use common::cases;
 use common::gaps::{Gap, gaps, hidden};
 use common::script::{Part, Still, idle, part, short, stream, teach};
-use common::seed::drawn;
+use common::seed::{drawn, wrong_cases};
 use common::work::judged;
 use proptest::prelude::*;
-use proptest::strategy::ValueTree;
-use proptest::test_runner::TestRunner;
 use std::f32::consts::TAU;
 
 /// A straight stroke: its direction in radians, its length in frames, and its speed in metres per frame.
@@ -104,23 +102,15 @@ fn job(strokes: &[Stroke], whole: &[Couples]) -> Job<'static> {
 
 /// What is accused of right motions of this seed because not all of it was seen, and of how many motions.
 fn accused(seed: u64) -> (Vec<String>, usize) {
-    let config = cases::with(5_000, seed);
-    let motions = config.cases as usize;
-    let mut runner = TestRunner::new(config);
-    let mut wrong = Vec::new();
-    for _ in 0..motions {
-        let (strokes, gaps) = (strokes(), gaps()).new_tree(&mut runner).unwrap().current();
+    wrong_cases(5_000, seed, &(strokes(), gaps()), |(strokes, gaps)| {
         let whole = couples(&strokes);
         let job = job(&strokes, &whole);
         assert_eq!(anomalies(&job, &whole), [""; 0], "{strokes:?}");
         let gaps: Vec<Gap> =
             gaps.into_iter().map(|(_, from, frames)| (0, from % whole.len(), frames)).collect();
         let less = anomalies(&job, &hidden(&whole, &gaps));
-        if !less.is_empty() {
-            wrong.push(format!("{less:?} {strokes:?} {gaps:?}"));
-        }
-    }
-    (wrong, motions)
+        (!less.is_empty()).then(|| format!("{less:?} {strokes:?} {gaps:?}"))
+    })
 }
 
 fn anomalies(job: &Job<'_>, couples: &[Couples]) -> Vec<String> {

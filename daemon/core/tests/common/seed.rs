@@ -2,6 +2,7 @@
 
 use super::cases::{self, KNOWN};
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
 use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
@@ -41,4 +42,18 @@ pub(crate) fn with_known_and_drawn_seed<S: Strategy>(
             panic!("PROPTEST_RNG_SEED={seed}: {failed}");
         }
     }
+}
+
+/// What is said of the cases of this seed that are wrong, of as many cases, and their number.
+pub(crate) fn wrong_cases<S: Strategy>(
+    cases: u32,
+    seed: u64,
+    strategy: &S,
+    wrong: impl Fn(S::Value) -> Option<String>,
+) -> (Vec<String>, usize) {
+    let config = cases::with(cases, seed);
+    let cases = config.cases as usize;
+    let mut runner = TestRunner::new(config);
+    let next = || strategy.new_tree(&mut runner).unwrap().current();
+    (std::iter::repeat_with(next).take(cases).filter_map(wrong).collect(), cases)
 }
