@@ -84,8 +84,8 @@ pub(super) struct OpenActivity {
     transition: Transition,
     /// It may be the remainder of one that was done before.
     may_be_remainder: bool,
-    /// A hand that is idle for no longer than this may not have let go.
-    min_idle_frames: u32,
+    /// An end of all of it fits into as many hidden frames.
+    end_frames: u32,
     /// All its IUs may have come before the newest one, which then belongs to another activity with the same part.
     may_have_ended: bool,
     /// An object that it may use and that had not been seen up to some time in it, or 0 where it is not known which. What it looks like
@@ -106,7 +106,7 @@ impl OpenActivity {
         context: Context,
         began_ns: u64,
         (hidden, was_idle, is_begun_late): (u32, bool, bool),
-        min_idle_frames: u32,
+        end_frames: u32,
         job: &Job<'_>,
     ) -> Self {
         let places = core::array::from_fn(|index| {
@@ -142,7 +142,7 @@ impl OpenActivity {
             newest: (context, Transition::default()),
             transition: Transition::default(),
             may_be_remainder: hidden == u32::MAX,
-            min_idle_frames,
+            end_frames,
             may_have_ended: false,
             never_seen: None,
             is_begun_late: false,
@@ -162,7 +162,7 @@ impl OpenActivity {
         let is_doubtful = !is_certain;
         let transition =
             Transition { is_doubtful, hidden: self.transition.hidden.max(hidden), ..self.transition };
-        if self.ius > 0 && (has_been_idle || self.transition.hidden > self.min_idle_frames) {
+        if self.ius > 0 && (has_been_idle || self.transition.hidden >= self.end_frames) {
             self.note_possible_end(job);
         }
         self.places_before = self.places;
@@ -261,7 +261,7 @@ impl OpenActivity {
                 self.may_have_ended |= all.any(|(index, (places, nominal))| {
                     places.may_be_again(nominal.ius, hidden, context) && progress.may_come_again(side, index)
                 });
-            } else if hidden > self.min_idle_frames {
+            } else if hidden >= self.end_frames {
                 self.note_possible_end(job);
             }
             self.transition.hidden = 0;

@@ -25,11 +25,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             None => Step::Foreign,
         };
         let number = progress.next_activity(self.side, began_ns, hidden == 0, matches!(step, Step::Shown(_)));
-        let min_idle_frames = self.doubt.min_idle_frames();
+        let end_frames = self.doubt.end_frames();
         let is_begun_late = self.doubt.may_be_remainder && self.doubt.is_begun_late;
         let before = (hidden, was_idle, is_begun_late);
         let mut activity =
-            OpenActivity::new(number, step, context, began_ns, before, min_idle_frames, progress.job);
+            OpenActivity::new(number, step, context, began_ns, before, end_frames, progress.job);
         if activity.is_beginning_seen(progress.job) {
             progress.set_start_seen(number, activity.as_shown(context));
         }

@@ -176,6 +176,12 @@ impl HandDoubt {
         IDLE_PERSISTS * self.persist_frames
     }
 
+    /// Into as many hidden frames fits that the hand lets go of all: it is idle until that is believed, and a gap counts for as
+    /// many frames more, in which something before it may have been overlooked.
+    pub(super) fn end_frames(&self) -> u32 {
+        2 * self.persist_frames
+    }
+
     fn is_idle_for_long(&self) -> bool {
         self.idle_frames > self.min_idle_frames()
     }
