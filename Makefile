@@ -6,7 +6,7 @@ DEBIAN_TEST := ffmpeg mbpoll poppler-utils python3-venv systemd
 # From OpenCV 4.7 on the marker detector is in another of its modules.
 OBJDETECT = $(shell pkg-config --atleast-version=4.7 opencv4 && echo --features andond/objdetect)
 
-.PHONY: setup packages test-packages build demo test test-times lint deny bench stations line chaos power-loss deaf soak modbus-fuzz plc-latency degraded-clips sight deletions deb nspawn debian-13
+.PHONY: setup packages test-packages build demo test test-times lint deny bench stations line chaos power-loss deaf soak modbus-fuzz plc-latency degraded-clips sight deletions unseen deb nspawn debian-13
 
 setup: packages
 	python3 daemon/perception/models/provision.py $(RUNTIME)
@@ -93,6 +93,11 @@ deletions: setup test-packages
 	PROPTEST_RNG_SEED=$(SEED) PROPTEST_CASES=50000 cargo test $(REALSENSE) --test judge_monotony
 	ANDON_SEED=$(SEED) ANDON_CASES=400 cargo test $(REALSENSE) --test learn_clips --test learn_vmci --test learn_doubt \
 		--test learn_two_hands nothing_is_accused
+
+# Says for every state of not watching that nothing rests on it, and for all that can be done to a picture that it is told; `make test` draws some.
+unseen: setup test-packages
+	cargo build $(REALSENSE) --all-targets
+	ANDON_EVERY=1 cargo test $(REALSENSE) --test line_unseen --test perception_accuracy -- --nocapture
 
 # Lets every connection that a role makes fail once; `make test` lets every seventh.
 deaf: setup test-packages

@@ -46,6 +46,13 @@ pub fn known_and_drawn(known: u64) -> [u64; 2] {
     [known, seed()]
 }
 
+/// One in as many, from a drawn one on: what takes minutes for all of them is tried in turn by one run after the other. `ANDON_EVERY=1` tries all.
+pub fn one_in<T>(default: u64, all: Vec<T>) -> Vec<T> {
+    let every = number("ANDON_EVERY", default).max(1);
+    let first = seed() % every;
+    all.into_iter().skip(first as usize).step_by(every as usize).collect()
+}
+
 /// A number that no one has chosen.
 fn drawn() -> u64 {
     RandomState::new().hash_one(std::process::id()) % SEEDS
@@ -60,6 +67,12 @@ mod tests {
         let seeds: Vec<u64> = (0..4).map(|_| std::thread::spawn(seed).join().expect("no panic")).collect();
         assert_eq!(seeds, [seed(); 4]);
         assert_eq!(known_and_drawn(71), [71, seed()]);
+    }
+
+    #[test]
+    fn each_is_tried_by_one_draw_in_as_many() {
+        let first = seed() % 3;
+        assert_eq!(one_in(3, (0..7).collect()), (0..7).filter(|each| each % 3 == first).collect::<Vec<_>>());
     }
 
     #[test]

@@ -279,7 +279,7 @@ fn that_the_ius_rest_on_few_demonstrations_is_said_once() {
 /// `ANDON_SETS` asks for more sets.
 #[test]
 fn correct_runs_are_seldom_doubted_and_half_of_the_strokes_seldom_pass() {
-    let (sets, seed) = (environment::number("ANDON_SETS", 100), environment::seed());
+    let (sets, seed) = (environment::number("ANDON_SETS", 50), environment::seed());
     let (mut doubted, mut missed) = (Vec::new(), Vec::new());
     for set in 0..sets {
         let of_set = |index: u64, flaw| {

@@ -1,6 +1,7 @@
 //! The short form of the measurement of perception's accuracy.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use andon_tests::environment;
 use std::process::Command;
 
 /// The table that `perception_accuracy detected` prints, line by line.
@@ -41,13 +42,16 @@ fn a_clip_is_measured_and_its_hand_and_markers_are_found() {
     assert_eq!(&clip.replacen("p1_J1_r1", "     all", 1), all, "{table:?}");
 }
 
-/// What was done to the picture, what should be said of it within two seconds, and what was said.
+/// What was done to the picture, what should be said of it within two seconds, and what was said. A draw tries one in three of what can be done.
 #[test]
 fn the_line_says_what_it_cannot_see_and_cries_no_wolf() {
-    let table = rows("sight", &["tests/footage/p2_none_r1.mp4"]);
+    let every = environment::number("ANDON_EVERY", 3);
+    let skip = environment::seed() % every;
+    let [every, skip] = [every, skip].map(|number| number.to_string());
+    let table = rows("sight", &["--every", &every, "--skip", &skip, "tests/footage/p2_none_r1.mp4"]);
     let (summary, rows) = table.split_last().unwrap();
     let troubles = |row: &&String| !row.contains("| nothing | nothing |");
-    assert!(rows.iter().filter(troubles).count() >= 15, "{table:#?}");
+    assert!(rows.iter().filter(troubles).count() >= 5, "{table:#?}");
     assert!(summary.starts_with("0 of "), "{table:#?}");
 }
 

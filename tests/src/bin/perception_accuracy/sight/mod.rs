@@ -11,6 +11,7 @@ use andon_perception::sight::{Spell, Trouble};
 use andon_tests::workers;
 use deeds::Case;
 use oorandom::Rand64;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -22,6 +23,12 @@ pub(crate) struct Arguments {
     /// Only what is done under names that contain this.
     #[arg(long)]
     only: Option<String>,
+    /// Only every n-th of these.
+    #[arg(long, default_value_t = NonZeroUsize::MIN)]
+    every: NonZeroUsize,
+    /// How many come before the first one.
+    #[arg(long, default_value_t = 0)]
+    skip: usize,
     /// Draws how strongly the pictures are changed.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -37,7 +44,8 @@ pub(crate) fn run(arguments: &Arguments, runtime: &Path) -> Result<(), Error> {
     let mut todo: Vec<(&PathBuf, Case)> = Vec::new();
     for (index, clip) in arguments.clips.iter().enumerate() {
         let mut random = Rand64::new(u128::from(arguments.seed) << 64 | index as u128);
-        todo.extend(deeds::cases(&mut random).into_iter().filter(wanted).map(|case| (clip, case)));
+        let cases = deeds::cases(&mut random).into_iter().filter(wanted);
+        todo.extend(cases.skip(arguments.skip).step_by(arguments.every.get()).map(|case| (clip, case)));
     }
     let wrong = AtomicUsize::new(0);
     workers::for_each(&todo, |(clip, case)| -> Result<(), Error> {
