@@ -19,6 +19,10 @@ codes! {
         Death = 5 as "death",
         /// The journal's own file was replaced or restored.
         Journal = 6 as "journal",
+        /// Recordings were removed by a person.
+        Recording = 7 as "recording",
+        /// A person has said whether a verdict was right.
+        Confirmation = 8 as "confirmation",
     }
 }
 

@@ -33,7 +33,7 @@ wire! { "andon.HandCouple", 60;
     }
 }
 
-wire! { "andon.Couples", 272;
+wire! { "andon.Couples", 280;
     /// The feature couples of both hands. The stamp names the newest frame that they depend on.
     struct Couples {
         /// The stamp.
@@ -44,6 +44,8 @@ wire! { "andon.Couples", 272;
         known_ns: u64,
         /// The hash of the job whose runs show where and how near its objects are met; 0 where there is none.
         model_hash: u64,
+        /// CLOCK_MONOTONIC of the first frame since the encoder has begun: what came before it has no part in them.
+        began_ns: u64,
         /// Bits of [`crate::flag`]: `END_OF_STREAM` (the couples then mean nothing), `PACED`.
         flags: u32,
         /// What was not seen, one bit for each. 0 is a frame at this instant and 6 who has moved an object that lies elsewhere than before. 7 is the

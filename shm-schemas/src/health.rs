@@ -25,6 +25,8 @@ codes! {
         Tool = 8 as "tool",
         /// From everything to numbers for a monitoring system.
         Metrics = 9 as "metrics",
+        /// From everything to recordings.
+        Record = 10 as "record",
     }
 }
 

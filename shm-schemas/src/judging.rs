@@ -55,7 +55,7 @@ codes! {
     }
 }
 
-wire! { "andon.Judging", 120;
+wire! { "andon.Judging", 152;
     /// The state of the judge. It is sent when it changes and with every beat; only the newest counts.
     struct Judging {
         /// The stamp.
@@ -68,6 +68,14 @@ wire! { "andon.Judging", 120;
         verdict_seq: u64,
         /// [`crate::Command::number`] of the last command; 0 before the first.
         command: u64,
+        /// The epoch of the couples after which that command was obeyed, so that a recording can obey it at the same place.
+        obeyed_epoch: u64,
+        /// The `seq` of these couples; 0 where none had come.
+        obeyed_seq: u64,
+        /// The epoch of the first couples that this judge has taken since its start.
+        first_epoch: u64,
+        /// The `seq` of these couples; 0 where none has come.
+        first_seq: u64,
         /// The job in force; 0 where there is none.
         job_id: u32,
         /// A [`Refusal`]: why the last command was refused, or that it was done.

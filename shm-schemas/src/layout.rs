@@ -14,6 +14,21 @@ pub unsafe trait Layout: Copy + 'static {
     const ZERO: Self = unsafe { core::mem::zeroed() };
 }
 
+/// The bytes of a value as they lie in memory: a recording keeps them.
+pub fn bytes_of<T: Layout>(value: &T) -> &[u8] {
+    // SAFETY: a Layout has no padding, so each of its bytes has a value, and they are borrowed for as long as it.
+    unsafe { core::slice::from_raw_parts(core::ptr::from_ref(value).cast(), size_of::<T>()) }
+}
+
+/// The value that these bytes are; `None` where there are more or fewer than it has.
+pub fn from_bytes<T: Layout>(bytes: &[u8]) -> Option<T> {
+    if bytes.len() != size_of::<T>() {
+        return None;
+    }
+    // SAFETY: there are as many bytes as it has, each bit pattern of a Layout is valid, and the read needs no alignment.
+    Some(unsafe { core::ptr::read_unaligned(bytes.as_ptr().cast()) })
+}
+
 macro_rules! plain {
     ($($ty:ident)*) => { $(
         // SAFETY: a number without invalid bit patterns.
@@ -100,7 +115,7 @@ pub(crate) use wire;
 #[cfg(test)]
 #[allow(unreachable_pub)] // the macro makes public types
 mod tests {
-    use super::Layout;
+    use super::{Layout, bytes_of, from_bytes};
 
     mod as_it_is {
         wire! { "test.Point", 8; /// p
@@ -139,6 +154,18 @@ mod tests {
     #[test]
     fn a_change_inside_a_field_changes_the_hash_of_the_whole() {
         assert_ne!(as_it_is::Line::HASH, fields_swapped::Line::HASH);
+    }
+
+    #[test]
+    fn a_value_comes_out_of_its_bytes_as_it_went_in() {
+        let line = as_it_is::Line {
+            from: as_it_is::Point { x: 1.0, y: f32::NAN },
+            to: as_it_is::Point { x: -0.0, y: 4.0 },
+        };
+        let bytes = bytes_of(&line);
+        let read: as_it_is::Line = from_bytes(bytes).unwrap_or_default();
+        assert_eq!(bytes_of(&read), bytes);
+        assert!(from_bytes::<as_it_is::Line>(bytes.get(1..).unwrap_or_default()).is_none());
     }
 
     #[test]

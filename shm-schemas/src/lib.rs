@@ -50,7 +50,7 @@ pub use detections::{Detections, HandDetection, LANDMARKS, ObjectDetection};
 pub use frame::{ColourFormat, DepthFormat, Distortion, Extrinsics, FrameHeader, Intrinsics};
 pub use health::{Health, RoleId, RoleState, Sight};
 pub use judging::{JudgePhase, Judging, Refusal};
-pub use layout::Layout;
+pub use layout::{Layout, bytes_of, from_bytes};
 pub use measured::MeasuredWords;
 pub use part::{BadPart, PART_BYTES, PartId};
 pub use stamp::{Message, MessageId, Stamp};

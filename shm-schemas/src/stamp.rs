@@ -20,7 +20,7 @@ wire! { "andon.Stamp", 40;
 }
 
 /// Which message of a channel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct MessageId {
     /// The start of the writer that sent it, see [`Stamp::epoch`].
     pub epoch: u64,

@@ -127,6 +127,8 @@ pub enum Role {
     Plc,
     /// Counts what the line does, for a monitoring system
     Metrics,
+    /// Records what the line sees and says, to be looked at again
+    Record,
 }
 
 impl From<Role> for RoleId {
@@ -140,6 +142,7 @@ impl From<Role> for RoleId {
             Role::Journal => Self::Journal,
             Role::Plc => Self::Plc,
             Role::Metrics => Self::Metrics,
+            Role::Record => Self::Record,
         }
     }
 }

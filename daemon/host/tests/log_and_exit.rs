@@ -123,8 +123,10 @@ fn sources(folder: &std::path::Path) -> String {
 fn every_code_of_the_index_is_used_by_the_program() {
     let host = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     let table = std::fs::read_to_string(host.join("src/log/code.rs")).unwrap();
-    let program: String =
-        ["src", "../andond/src", "../video/src"].iter().map(|folder| sources(&host.join(folder))).collect();
+    let program: String = ["src", "../andond/src", "../record/src", "../video/src"]
+        .iter()
+        .map(|folder| sources(&host.join(folder)))
+        .collect();
     let mut declared = 0;
     for line in table.lines() {
         let mut words = line.split_whitespace();

@@ -66,11 +66,28 @@ impl Channel {
         }
     }
 
+    /// The hash of the layout of its messages; of frames that of their header.
+    pub const fn layout(self) -> u64 {
+        match self {
+            Self::Frame => FrameHeader::HASH,
+            Self::Detections => Detections::HASH,
+            Self::Couple => Couples::HASH,
+            Self::Verdict => Verdict::HASH,
+            Self::Account => AccountUpdate::HASH,
+            Self::Kept => AccountKept::HASH,
+            Self::Journalled => Journalled::HASH,
+            Self::Health => Health::HASH,
+            Self::Command => Command::HASH,
+            Self::Judging => Judging::HASH,
+            Self::Audit => Audit::HASH,
+        }
+    }
+
     /// The quality of service of this channel.
     pub const fn qos(self) -> Qos {
         match self {
             // 5 frames wait: twice the 2 of a paced burst, and one more. 2 are borrowed: the one being read and the one before it.
-            // 4 readers: perceive and three tools. Each further reader would cost 7 frames of memory.
+            // 4 readers: perceive, record and two tools. Each further reader would cost 7 frames of memory.
             Self::Frame => {
                 Qos { buffer: 5, history: 0, borrowed: 2, readers: 4, writers: 1, loans: 8, burst: 2 }
             }
@@ -100,7 +117,7 @@ impl Channel {
                 Qos { buffer: 128, history: 0, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 31 }
             }
             // Only the newest counts; 4 per writer, so that a reader that looks once per second misses none at 2 Hz.
-            // 16 writers: 7 roles, and those that are dead and not yet removed. 16 readers: plc, journal, programs in C, and every
+            // 16 writers: 9 roles, and those that are dead and not yet removed. 16 readers: plc, journal, programs in C, and every
             // `andond status` that somebody has left stopped in a terminal.
             Self::Health => {
                 Qos { buffer: 4, history: 1, borrowed: 2, readers: 16, writers: 16, loans: 2, burst: 1 }
@@ -109,13 +126,15 @@ impl Channel {
             Self::Judging => {
                 Qos { buffer: 4, history: 1, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 1 }
             }
-            // Each writer keeps what was done while the journal was away; a person does less than that in such a time.
+            // Each writer keeps what was done while the journal was away; a person does less than that in such a time. 4 readers: journal, record, and
+            // those that are dead and not yet removed.
             Self::Audit => {
-                Qos { buffer: 64, history: 32, borrowed: 2, readers: 2, writers: 8, loans: 2, burst: 31 }
+                Qos { buffer: 64, history: 32, borrowed: 2, readers: 4, writers: 8, loans: 2, burst: 31 }
             }
-            // No history: a judge that starts must not obey a command from before its start.
+            // No history: a judge that starts must not obey a command from before its start. 4 readers: judge, record, and those that are dead and not
+            // yet removed, so that a judge that starts again waits for nobody.
             Self::Command => {
-                Qos { buffer: 16, history: 0, borrowed: 2, readers: 2, writers: 4, loans: 2, burst: 7 }
+                Qos { buffer: 16, history: 0, borrowed: 2, readers: 4, writers: 4, loans: 2, burst: 7 }
             }
         }
     }

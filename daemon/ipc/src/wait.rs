@@ -8,8 +8,8 @@ use std::io;
 use std::os::fd::BorrowedFd;
 use std::time::{Duration, Instant};
 
-/// Maximum number of ports in one wait. No role has more than its input, its output, commands and health.
-const MAX_PORTS: usize = 8;
+/// Maximum number of ports in one wait: the role `record` watches every channel.
+const MAX_PORTS: usize = Channel::ALL.len();
 
 /// A wait that has blocked for this long looks at its ports again. It finds nothing unless two notifiers of one listener met in the one interleaving
 /// that `event::drain` cannot repair. Then a message is late by this much, once, instead of lost.
@@ -89,7 +89,8 @@ pub(crate) fn wait(ports: &mut [&mut dyn Port], patience: Duration, stop: &Stop)
         for (fd, port) in watched.iter_mut().zip(ports.iter()) {
             *fd = port.fd();
         }
-        if !block(&fds, until)? {
+        // As many as were just written.
+        if !block(fds.get(..=ports.len()).unwrap_or(&fds), until)? {
             return Ok(Wake::DeadlineMissed);
         }
     }
@@ -121,10 +122,11 @@ fn block(fds: &[BorrowedFd<'_>], until: Instant) -> Result<bool, Error> {
         return Ok(false);
     }
     let Some(first) = fds.first() else { return Ok(false) };
-    // Entries that no port needs watch the first descriptor again, which changes nothing.
+    // Entries that no port needs are not watched: they only fill the array.
     let mut polls: [PollFd<'_>; MAX_PORTS + 1] =
         std::array::from_fn(|i| PollFd::from_borrowed_fd(*fds.get(i).unwrap_or(first), PollFlags::IN));
-    match poll(&mut polls, Some(&timespec(left.min(LOOK_AGAIN)))) {
+    let watched = polls.get_mut(..fds.len()).unwrap_or_default();
+    match poll(watched, Some(&timespec(left.min(LOOK_AGAIN)))) {
         Ok(_) => Ok(true),
         // A signal that somebody else handles: look again.
         Err(error) if io::Error::from(error).kind() == io::ErrorKind::Interrupted => Ok(true),

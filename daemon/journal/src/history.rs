@@ -4,13 +4,13 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use rusqlite::{Connection, OpenFlags, Row, params};
-use shm_schemas::PartId;
+use shm_schemas::{PartId, Verdict};
 
 use super::audit::AuditEntry;
 use super::csv;
 use super::entry::{Entry, Gap, NotWatching};
 use super::error::JournalError;
-use super::row::{read_verdict, signed, unsigned};
+use super::row::{after, read_verdict, signed, unsigned};
 
 /// Which verdicts to read.
 #[derive(Clone, Copy, Debug, Default)]
@@ -129,6 +129,29 @@ impl History {
         query: &Query,
         mut visit: impl FnMut(Entry) -> Result<(), JournalError>,
     ) -> Result<(), JournalError> {
+        self.visit_rows(query, |_row, entry| visit(entry))
+    }
+
+    /// The verdict of a row; `None` where there is no such row, or not any more.
+    ///
+    /// # Errors
+    /// [`JournalError`] of the database.
+    pub fn verdict(&self, row: u64) -> Result<Option<Verdict>, JournalError> {
+        let Some(before) = row.checked_sub(1) else { return Ok(None) };
+        let found = after(&self.connection, before, 1);
+        let found = found.map_err(|source| JournalError::of(&self.path, 0, source))?;
+        Ok(found.into_iter().find(|written| written.row == row).map(|written| written.verdict))
+    }
+
+    /// As [`History::visit`], with the number of the row of a verdict; anything else has that of the verdict that follows it.
+    ///
+    /// # Errors
+    /// As [`History::visit`].
+    pub fn visit_rows(
+        &self,
+        query: &Query,
+        mut visit: impl FnMut(u64, Entry) -> Result<(), JournalError>,
+    ) -> Result<(), JournalError> {
         let failed = |source| JournalError::of(&self.path, 0, source);
         let part = query.part.as_ref().map(PartId::text);
         let mut statement = self.connection.prepare(QUERY).map_err(failed)?;
@@ -136,7 +159,8 @@ impl History {
             .query(params![query.since_utc_ns.map_or(0, signed), query.job_id, query.nok, part])
             .map_err(failed)?;
         while let Some(row) = rows.next().map_err(failed)? {
-            visit(entry(row).map_err(failed)?)?;
+            let number = row.get("position").map(unsigned).map_err(failed)?;
+            visit(number, entry(row).map_err(failed)?)?;
         }
         Ok(())
     }

@@ -40,6 +40,7 @@ pub(super) fn check(
     checks.method(config);
     checks.plc(config);
     checks.metrics(config);
+    checks.record(config);
     checks.faults
 }
 
@@ -270,6 +271,62 @@ impl Checks<'_> {
             self.fault("metrics.port", &["plc.port", "plc.enable", "metrics.enable"], problem);
         }
     }
+
+    fn record(&mut self, config: &Config) {
+        let record = &config.record;
+        if (1..3).contains(&record.bench.len()) {
+            let problem = "must have at least 3 corners, or none".into();
+            self.fault("record.bench", &[], problem);
+        }
+        let polygons =
+            [("record.bench", std::slice::from_ref(&record.bench)), ("record.masks", &record.masks)];
+        for (key, polygons) in polygons {
+            if polygons.iter().any(|corners| crosses_itself(corners)) {
+                let problem =
+                    "must not cross itself: what lies in it is not clear; name its corners in their order";
+                self.fault(key, &[], problem.into());
+            }
+            if record.size.is_none() && polygons.iter().any(|corners| !corners.is_empty()) {
+                let problem = "needs record.size: the size of the picture that it was drawn on".into();
+                self.fault(key, &["record.size"], problem);
+            }
+        }
+        // A recording ends at its size, and a clip must hold what is in memory.
+        if record.file_mb < record.memory_mb {
+            let problem = format!("must not be under record.memory_mb = {}", record.memory_mb);
+            self.fault("record.file_mb", &["record.memory_mb"], problem);
+        }
+        // Else the one that is being written would leave no room for those before it.
+        if record.file_mb > record.keep_mb / 2 {
+            let problem = format!("must not be over half of record.keep_mb = {}", record.keep_mb);
+            self.fault("record.file_mb", &["record.keep_mb"], problem);
+        }
+    }
+}
+
+/// A side of a polygon: its two ends.
+type Side = [[i64; 2]; 2];
+
+/// Whether two sides of a polygon meet that are not neighbours: what lies in it is not clear then.
+fn crosses_itself(corners: &[[u32; 2]]) -> bool {
+    let count = corners.len();
+    let side = |index: usize| [corners[index], corners[(index + 1) % count]].map(|at| at.map(i64::from));
+    let others = |one: usize| (one + 2..count).filter(move |other| (other + 1) % count != one);
+    (0..count).any(|one| others(one).any(|other| meet(side(one), side(other))))
+}
+
+/// Whether two sides have a point in common.
+fn meet(one: Side, other: Side) -> bool {
+    // On which side of a line a point lies.
+    let turn = |[from, to]: Side, at: [i64; 2]| {
+        ((to[0] - from[0]) * (at[1] - from[1]) - (to[1] - from[1]) * (at[0] - from[0])).signum()
+    };
+    let is_between = |line: Side, ends: Side| turn(line, ends[0]) * turn(line, ends[1]) <= 0;
+    let overlaps = |axis: usize| {
+        let [one, other] = [one, other].map(|side| side.map(|end| end[axis]));
+        one[0].min(one[1]) <= other[0].max(other[1]) && other[0].min(other[1]) <= one[0].max(one[1])
+    };
+    is_between(one, other) && is_between(other, one) && overlaps(0) && overlaps(1)
 }
 
 /// The key that says which marker an object has.

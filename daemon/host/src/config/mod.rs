@@ -30,6 +30,7 @@ pub use reference::reference;
 pub use sections::bench::{Bench, Object};
 pub use sections::camera::{Camera, Encoding, Source, Speed};
 pub use sections::perception::{HandModel, Perception};
+pub use sections::record::{Mode as RecordMode, Record, Trigger};
 pub use sections::service::{Health, Journal, Log, Metrics, Plc};
 pub use sections::station::Station;
 
@@ -67,6 +68,8 @@ pub struct Config {
     pub plc: Plc,
     /// Numbers for a monitoring system.
     pub metrics: Metrics,
+    /// What is recorded.
+    pub record: Record,
     /// When a role counts as stuck.
     pub health: Health,
     /// How much is logged.
@@ -153,6 +156,7 @@ impl Config {
         k.section("journal", "where verdicts are kept.", |k| self.journal.keys(k));
         k.section("plc", "the Modbus TCP server.", |k| self.plc.keys(k));
         k.section("metrics", "numbers for a monitoring system.", |k| self.metrics.keys(k));
+        k.section("record", "what is kept to be looked at again.", |k| self.record.keys(k));
         k.section("health", "when a role counts as stuck.", |k| self.health.keys(k));
         k.section("log", "how much is logged.", |k| self.log.keys(k));
     }
@@ -178,6 +182,13 @@ impl Config {
         self.journal.path.clone().unwrap_or_else(default)
     }
 
+    /// The folder of the recordings.
+    #[must_use]
+    pub fn recordings(&self) -> PathBuf {
+        let default = || Path::new(STATE).join(format!("{}.recordings", self.station.name));
+        self.record.path.clone().unwrap_or_else(default)
+    }
+
     /// The roles that this station needs: the steward, then the others in the order of the data path.
     #[must_use]
     pub fn roles(&self) -> Vec<RoleId> {
@@ -186,6 +197,7 @@ impl Config {
             RoleId::Capture => self.camera.source != Source::Tracks,
             RoleId::Plc => self.plc.enable,
             RoleId::Metrics => self.metrics.enable,
+            RoleId::Record => self.record.mode != RecordMode::Off,
             _ => true,
         };
         let roles = [
@@ -197,6 +209,7 @@ impl Config {
             RoleId::Journal,
             RoleId::Plc,
             RoleId::Metrics,
+            RoleId::Record,
         ];
         roles.into_iter().filter(is_needed).collect()
     }

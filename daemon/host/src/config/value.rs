@@ -225,6 +225,25 @@ impl Value for [f32; 3] {
     }
 }
 
+/// A point in pixels.
+impl Value for [u32; 2] {
+    type Limit = Within<u32>;
+
+    fn allowed(limit: &Self::Limit) -> String {
+        format!("[x, y], each {}", u32::allowed(limit))
+    }
+
+    fn read(raw: &DeValue<'_>, limit: &Self::Limit, folder: &Path) -> Option<Self> {
+        let [x, y] = raw.as_array()?.get(..)? else { return None };
+        let axis = |raw: &toml::Spanned<DeValue<'_>>| u32::read(raw.get_ref(), limit, folder);
+        Some([axis(x)?, axis(y)?])
+    }
+
+    fn write(&self) -> String {
+        format!("{self:?}")
+    }
+}
+
 /// How many, and of what.
 pub(super) struct Several<L> {
     min: usize,

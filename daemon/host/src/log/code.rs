@@ -130,6 +130,20 @@ table! {
         "Check that the folder of journal.path exists, that journal.path is not a folder itself, and that the role's user may write there";
     WARN 409 JOURNAL_UNACKNOWLEDGED: "verdicts were removed that a consumer of the journal had not acknowledged; the database has reached journal.keep_mb",
         "Find out why the PLC, or another consumer, does not acknowledge; or raise journal.keep_mb";
+    INFO 410 RECORDING_BEGAN: "a recording has begun", "";
+    INFO 411 RECORDING_KEPT: "a recording is complete", "";
+    ERROR 412 RECORDINGS_UNWRITTEN: "recordings cannot be written; verdicts are not concerned, and Andon tries again until it can",
+        "Make room on the disk, lower record.keep_mb, or let the unit's user write in the folder of the recordings. If that is not below /var/lib/andon, name it as ReadWritePaths with `systemctl edit andon-record@NAME`";
+    WARN 413 RECORDING_SLOW: "the disk is too slow for the recording: some of it is missing, and verdicts are not concerned",
+        "Record less (record.mode, record.quality), or give the recordings another disk by record.path, and name its folder as ReadWritePaths with `systemctl edit andon-record@NAME`";
+    INFO 414 RECORDINGS_TRIMMED: "old recordings were removed by age, by size, or for the journal's room", "";
+    WARN 415 RECORDING_REPAIRED: "a recording was not written to its end; what is whole in it was saved",
+        "Nothing has to be done: its recorder was killed, or the power failed";
+    INFO 416 RECORDING_OFF: "the configuration records nothing", "";
+    WARN 417 RECORDING_UNREPAIRED: "a recording was not written to its end and cannot be completed; it stays as it is",
+        "Let the unit's user write in the folder of the recordings. If the file itself is damaged, remove it: nothing in it can be saved";
+    WARN 418 STILL_MISSING: "an anomaly has no picture beside its recording: it was not in memory any more, or could not be drawn",
+        "Raise record.memory_mb; what was detected is in the recording all the same";
 
     INFO 501 PLC_LISTENING: "the Modbus server listens", "";
     INFO 502 PLC_CONNECTED: "a PLC has connected", "";

@@ -35,6 +35,7 @@ impl Upstream {
             RoleId::Judge => RoleId::Encode,
             RoleId::Journal => RoleId::Judge,
             RoleId::Plc => RoleId::Journal,
+            RoleId::Record => RoleId::Perceive,
             RoleId::Steward | RoleId::Capture | RoleId::Metrics | RoleId::Tool => return Ok(None),
         };
         Ok(Some(Self { role, health: node.reader()?, looked: Instant::now(), sent: Sent::default() }))

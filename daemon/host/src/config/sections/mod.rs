@@ -4,5 +4,6 @@ pub(super) mod bench;
 pub(super) mod camera;
 pub(super) mod method;
 pub(super) mod perception;
+pub(super) mod record;
 pub(super) mod service;
 pub(super) mod station;
