@@ -1,0 +1,249 @@
+//! Pictures of frames as JPEG, without what may not be seen.
+
+use std::borrow::Cow;
+
+use andon_host::config::Record;
+use andon_host::video::frame::view;
+use andon_perception::{PerceptionError, PixelFormat};
+use opencv::core::{BORDER_CONSTANT, CV_8UC1, Mat, Point, Scalar, Size, ToInputArray, Vec3b, Vector};
+use opencv::prelude::*;
+use opencv::{imgcodecs, imgproc};
+use shm_schemas::FrameHeader;
+
+/// Why a frame has no picture.
+#[derive(Debug, thiserror::Error)]
+pub enum PictureError {
+    /// The header promises something else than there is.
+    #[error(transparent)]
+    Frame(#[from] PerceptionError),
+    /// It cannot be encoded or decoded.
+    #[error("a picture cannot be made: {0}")]
+    OpenCv(#[from] opencv::Error),
+}
+
+/// A picture as blue, green and red, row by row without gaps.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Decoded {
+    /// Pixels per row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Three bytes for each pixel.
+    pub pixels: Vec<u8>,
+}
+
+/// Makes pictures of frames.
+pub struct PictureMaker {
+    parameters: Vector<i32>,
+    /// The size of the pictures that the polygons are drawn on.
+    size: Option<Size>,
+    /// What may be seen; everything where it is empty.
+    bench: Vector<Point>,
+    masks: Vector<Vector<Point>>,
+    /// White where nothing may be seen, of the size of the newest frame.
+    hidden: Mat,
+}
+
+impl PictureMaker {
+    /// As the configuration says.
+    #[must_use]
+    pub fn new(record: &Record) -> Self {
+        let parameters = [
+            (imgcodecs::IMWRITE_JPEG_QUALITY, i32::from(record.quality)),
+            // Tables of its own for each picture would take a second pass over it.
+            (imgcodecs::IMWRITE_JPEG_OPTIMIZE, 0),
+        ];
+        let polygon = |corners: &Vec<[u32; 2]>| -> Vector<Point> {
+            // The configuration allows at most 8192.
+            corners.iter().map(|&[x, y]| Point::new(x as i32, y as i32)).collect()
+        };
+        Self {
+            parameters: parameters.into_iter().flat_map(|(key, value)| [key, value]).collect(),
+            size: record.size.map(|[width, height]| Size::new(width as i32, height as i32)),
+            bench: polygon(&record.bench),
+            masks: record.masks.iter().map(polygon).collect(),
+            hidden: Mat::default(),
+        }
+    }
+
+    /// The colour plane of a frame as JPEG. What may not be seen is black before anything is encoded.
+    ///
+    /// # Errors
+    /// A frame that is none, and what OpenCV says.
+    pub fn jpeg(&mut self, header: &FrameHeader, colour: &[u8]) -> Result<Vec<u8>, PictureError> {
+        let frame = view(header, colour)?;
+        let is_packed = frame.stride() == 3 * frame.width();
+        // Most frames are encoded where they lie.
+        let mut pixels = match frame.format() {
+            PixelFormat::Bgr8 if is_packed => Cow::Borrowed(frame.data()),
+            _ => Cow::Owned(frame.bgr()?),
+        };
+        // A frame has at most 8192 x 8192 pixels.
+        let (rows, columns) = (frame.height() as i32, frame.width() as i32);
+        if self.hides() {
+            self.hide(rows, columns, pixels.to_mut())?;
+        }
+        self.encode(&Mat::new_rows_cols_with_bytes::<Vec3b>(rows, columns, &pixels)?)
+    }
+
+    fn hides(&self) -> bool {
+        !(self.bench.is_empty() && self.masks.is_empty())
+    }
+
+    fn hide(&mut self, rows: i32, columns: i32, pixels: &mut [u8]) -> opencv::Result<()> {
+        let size = Size::new(columns, rows);
+        if self.hidden.size()? != size {
+            self.hidden = self.hidden_of(size)?;
+        }
+        let mut picture = Mat::new_rows_cols_with_bytes_mut::<Vec3b>(rows, columns, pixels)?;
+        picture.set_to(&Scalar::all(0.0), &self.hidden).map(drop)
+    }
+
+    /// White where nothing may be seen. That is everything, where the polygons were drawn on a picture of another size.
+    fn hidden_of(&self, size: Size) -> opencv::Result<Mat> {
+        let is_limited = !self.bench.is_empty();
+        let (black, white) = (Scalar::all(0.0), Scalar::all(255.0));
+        if self.size != Some(size) {
+            return Mat::new_size_with_default(size, CV_8UC1, white);
+        }
+        let outside = if is_limited { white } else { black };
+        let mut hidden = Mat::new_size_with_default(size, CV_8UC1, outside)?;
+        if is_limited {
+            fill(&mut hidden, &self.bench, black)?;
+        }
+        for mask in &self.masks {
+            fill(&mut hidden, &mask, white)?;
+        }
+        // JPEG spreads a pixel over its block of 16: what lies at the border of a mask must not show through it.
+        let mut wider = Mat::default();
+        let kernel = Mat::new_rows_cols_with_default(5, 5, CV_8UC1, Scalar::all(1.0))?;
+        imgproc::dilate(&hidden, &mut wider, &kernel, Point::new(-1, -1), 1, BORDER_CONSTANT, black)?;
+        Ok(wider)
+    }
+
+    fn encode(&self, picture: &impl ToInputArray) -> Result<Vec<u8>, PictureError> {
+        let mut bytes = Vector::new();
+        imgcodecs::imencode(".jpg", picture, &mut bytes, &self.parameters)?;
+        Ok(bytes.to_vec())
+    }
+}
+
+/// Fills a polygon. In several at once OpenCV would leave out what lies in two of them.
+fn fill(picture: &mut Mat, polygon: &Vector<Point>, colour: Scalar) -> opencv::Result<()> {
+    let alone: Vector<Vector<Point>> = [polygon.clone()].into_iter().collect();
+    imgproc::fill_poly_def(picture, &alone, colour)
+}
+
+/// A picture out of a recording.
+///
+/// # Errors
+/// What OpenCV says, as of bytes that are no picture.
+pub fn decode(jpeg: &[u8]) -> Result<Decoded, PictureError> {
+    let decoded = imgcodecs::imdecode(&Vector::from_slice(jpeg), imgcodecs::IMREAD_COLOR)?;
+    // Neither is negative, and what cannot be decoded has none.
+    let (width, height) = (decoded.cols().max(0) as u32, decoded.rows().max(0) as u32);
+    Ok(Decoded { width, height, pixels: decoded.data_bytes()?.to_vec() })
+}
+
+/// A picture of blue, green and red as a file.
+///
+/// # Errors
+/// What OpenCV says.
+pub fn encode(picture: &Decoded, quality: u8) -> Result<Vec<u8>, PictureError> {
+    // A decoded picture has at most as many rows and columns as OpenCV counts.
+    let (rows, columns) = (picture.height as i32, picture.width as i32);
+    let mat = Mat::new_rows_cols_with_bytes::<Vec3b>(rows, columns, &picture.pixels)?;
+    let mut bytes = Vector::new();
+    let parameters: Vector<i32> = [imgcodecs::IMWRITE_JPEG_QUALITY, i32::from(quality)].into_iter().collect();
+    imgcodecs::imencode(".jpg", &mat, &mut bytes, &parameters)?;
+    Ok(bytes.to_vec())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use shm_schemas::ColourFormat;
+
+    const SIZE: (u32, u32) = (320, 240);
+
+    fn frame(pixels: impl Fn(u32, u32) -> [u8; 3]) -> (FrameHeader, Vec<u8>) {
+        let (width, height) = SIZE;
+        let header = FrameHeader {
+            width,
+            height,
+            stride: 3 * width,
+            colour_format: ColourFormat::Bgr8.code(),
+            ..FrameHeader::default()
+        };
+        let bytes = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).flat_map(|(x, y)| pixels(x, y));
+        (header, bytes.collect())
+    }
+
+    /// Whatever the pixels are, the brightest value that a region of the stored picture has.
+    fn brightest(jpeg: &[u8], is_in: impl Fn(u32, u32) -> bool) -> u8 {
+        let picture = decode(jpeg).unwrap();
+        let pixels = picture.pixels.chunks_exact(3).zip(0_u32..);
+        let inside = pixels.filter(|(_, at)| is_in(at % picture.width, at / picture.width));
+        inside.flat_map(|(pixel, _)| pixel.iter().copied()).max().unwrap()
+    }
+
+    #[test]
+    fn what_may_not_be_seen_is_black_in_the_stored_bytes() {
+        let record = Record {
+            size: Some([SIZE.0, SIZE.1]),
+            bench: vec![[20, 20], [300, 20], [300, 220], [20, 220]],
+            // What lies in both is hidden as well.
+            masks: vec![
+                vec![[100, 100], [150, 100], [150, 150], [100, 150]],
+                vec![[120, 100], [150, 100], [150, 150], [120, 150]],
+            ],
+            ..Record::default()
+        };
+        let (header, bytes) = frame(|x, y| if (x ^ y) & 1 == 0 { [255; 3] } else { [40, 255, 90] });
+        let jpeg = PictureMaker::new(&record).jpeg(&header, &bytes).unwrap();
+        // What a lossy block leaves of black is far from anything that was there.
+        const BLACK: u8 = 60;
+        let is_outside = |x, y| !((20..=300).contains(&x) && (20..=220).contains(&y));
+        assert!(brightest(&jpeg, is_outside) < BLACK);
+        assert!(brightest(&jpeg, |x, y| (100..=150).contains(&x) && (100..=150).contains(&y)) < BLACK);
+        assert!(brightest(&jpeg, |x, y| (30..90).contains(&x) && (30..90).contains(&y)) > 200);
+        // With another picture behind the mask the very same bytes are stored.
+        let is_hidden = |x, y| (101..150).contains(&x) && (101..150).contains(&y) || is_outside(x, y);
+        let (_, other) = frame(|x, y| match is_hidden(x, y) {
+            true => [7, 200, (x + y) as u8],
+            false if (x ^ y) & 1 == 0 => [255; 3],
+            false => [40, 255, 90],
+        });
+        assert_eq!(PictureMaker::new(&record).jpeg(&header, &other).unwrap(), jpeg);
+    }
+
+    #[test]
+    fn of_a_picture_that_the_polygons_were_not_drawn_on_nothing_is_stored() {
+        let mask = vec![[10, 10], [50, 10], [50, 50]];
+        let record = Record { size: Some([640, 480]), masks: vec![mask], ..Record::default() };
+        let (header, bytes) = frame(|_, _| [255; 3]);
+        let jpeg = PictureMaker::new(&record).jpeg(&header, &bytes).unwrap();
+        assert_eq!(brightest(&jpeg, |_, _| true), 0);
+    }
+
+    #[test]
+    fn a_picture_looks_as_the_frame_did_in_every_format() {
+        let (header, bytes) = frame(|x, _| [x as u8 / 2, 100, 200]);
+        let jpeg = PictureMaker::new(&Record::default()).jpeg(&header, &bytes).unwrap();
+        let picture = decode(&jpeg).unwrap();
+        assert_eq!((picture.width, picture.height), SIZE);
+        let worst = picture.pixels.iter().zip(&bytes).map(|(is, was)| is.abs_diff(*was)).max();
+        assert!(worst < Some(40), "{worst:?}");
+        let yuyv = FrameHeader { stride: 2 * 320, colour_format: ColourFormat::Yuyv.code(), ..header };
+        let jpeg = PictureMaker::new(&Record::default()).jpeg(&yuyv, &vec![128; 320 * 240 * 2]).unwrap();
+        assert_eq!(decode(&jpeg).unwrap().width, 320);
+    }
+
+    #[test]
+    fn a_frame_that_promises_more_than_it_has_is_refused() {
+        let (header, bytes) = frame(|_, _| [0; 3]);
+        assert!(PictureMaker::new(&Record::default()).jpeg(&header, &bytes[1..]).is_err());
+        assert!(decode(b"no picture").is_err() || decode(b"no picture").unwrap().width == 0);
+    }
+}

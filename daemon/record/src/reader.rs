@@ -1,0 +1,261 @@
+//! Reads a recording from its begin to its end, also one that is cut: up to its last whole chunk.
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::{self, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use andon_ipc::Channel;
+use mcap::records::Record;
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::{McapError, parse_record};
+
+use crate::topic::{Topic, layout};
+use crate::writer::{Attachment, Entry, PROFILE};
+
+/// No record of a recording is as long: a chunk ends after a megabyte and one message, and no picture and no job file has so much. What claims more is
+/// damaged, and must not claim the memory.
+const LONGEST: usize = 64 << 20;
+
+/// Why a recording cannot be used. Its message ends with the remedy.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// It cannot be opened or read.
+    #[error("{}: {source}; give a recording (.mcap), and let this user read it", path.display())]
+    Open {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// There is nothing in it.
+    #[error("{}: the file is empty; its recorder was killed before it had written anything: remove it", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// It is something else.
+    #[error("{}: this is no MCAP file; `andond` reads those of its role `record`", path.display())]
+    NotMcap {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Another program wrote it.
+    #[error("{}: an MCAP file of {library:?}, not of Andon; `andond` reads those of its role `record`", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What it says wrote it.
+        library: String,
+    },
+    /// Another version of Andon wrote it.
+    #[error(
+        "{}: a recording in the arrangement {profile:?} of {library:?}, and this program reads {PROFILE:?}; \
+         use the version that wrote it",
+        path.display()
+    )]
+    OtherVersion {
+        /// The file.
+        path: PathBuf,
+        /// The arrangement.
+        profile: String,
+        /// What wrote it.
+        library: String,
+    },
+    /// The messages of a channel have another layout.
+    #[error(
+        "{}: its messages of the channel {channel} have the layout {found}, and this program has {}; use the version that wrote it",
+        path.display(), layout(*channel)
+    )]
+    OtherLayout {
+        /// The file.
+        path: PathBuf,
+        /// The channel.
+        channel: Channel,
+        /// The layout hash in the file.
+        found: String,
+    },
+    /// It ends before anything of it is whole.
+    #[error("{}: the file is cut before its first whole record; copy it again, or remove it", path.display())]
+    Cut {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+/// What a recording consists of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Item {
+    /// A message; its times are UTC.
+    Entry(Entry),
+    /// A file.
+    Attachment(Attachment),
+}
+
+/// How a recording ended for its reader.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum End {
+    /// It was written to its end.
+    Complete,
+    /// What follows is missing or damaged: why, in words.
+    Cut(String),
+}
+
+/// A recording that is being read.
+pub struct RecordingReader<R> {
+    input: R,
+    path: PathBuf,
+    reader: LinearReader,
+    topics: HashMap<u16, Topic>,
+    /// The layouts of the schemas.
+    schemas: HashMap<u16, Vec<u8>>,
+    end: Option<End>,
+}
+
+impl RecordingReader<BufReader<File>> {
+    /// Opens a file.
+    ///
+    /// # Errors
+    /// Why it cannot be used.
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
+        let failed = |source| ReadError::Open { path: path.into(), source };
+        let file = File::open(path).map_err(failed)?;
+        if !file.metadata().map_err(failed)?.is_file() {
+            return Err(failed(io::Error::other("it is no file")));
+        }
+        Self::new(BufReader::new(file), path)
+    }
+}
+
+impl<R: Read> RecordingReader<R> {
+    /// Begins to read; `path` is what messages call it.
+    ///
+    /// # Errors
+    /// That it is empty, no recording, or of another version.
+    pub fn new(input: R, path: &Path) -> Result<Self, ReadError> {
+        let options = LinearReaderOptions::default()
+            .with_prevalidate_chunk_crcs(true)
+            .with_record_length_limit(LONGEST);
+        let reader = LinearReader::new_with_options(options);
+        let mut reading = Self {
+            input,
+            path: path.into(),
+            reader,
+            topics: HashMap::new(),
+            schemas: HashMap::new(),
+            end: None,
+        };
+        reading.read_header()?;
+        Ok(reading)
+    }
+
+    fn read_header(&mut self) -> Result<(), ReadError> {
+        let path = self.path.clone();
+        let Some(record) = self.next_record()? else {
+            return Err(match &self.end {
+                Some(End::Cut(why)) if why == EMPTY => ReadError::Empty { path },
+                Some(End::Cut(why)) if why == NO_MAGIC => ReadError::NotMcap { path },
+                _ => ReadError::Cut { path },
+            });
+        };
+        let Record::Header(header) = record else { return Err(ReadError::NotMcap { path }) };
+        if header.profile == PROFILE {
+            return Ok(());
+        }
+        let (profile, library) = (header.profile, header.library);
+        Err(match profile.starts_with("andon-") {
+            true => ReadError::OtherVersion { path, profile, library },
+            false => ReadError::Foreign { path, library },
+        })
+    }
+
+    /// The next message or file; `None` at the end, or where nothing whole follows.
+    ///
+    /// # Errors
+    /// [`ReadError::OtherLayout`], and what the system says.
+    pub fn next_item(&mut self) -> Result<Option<Item>, ReadError> {
+        while let Some(record) = self.next_record()? {
+            match record {
+                Record::Schema { header, data } => drop(self.schemas.insert(header.id, data.into_owned())),
+                Record::Channel(channel) => self.take_channel(&channel)?,
+                Record::Message { header, data } => {
+                    let Some(topic) = self.topics.get(&header.channel_id) else { continue };
+                    let (time_ns, sent_ns) = (header.log_time, header.publish_time);
+                    return Ok(Some(Item::Entry(Entry {
+                        topic: *topic,
+                        time_ns,
+                        sent_ns,
+                        data: data.into_owned().into(),
+                    })));
+                }
+                Record::Attachment { header, data, .. } => {
+                    let (name, data) = (header.name, data.into_owned().into());
+                    return Ok(Some(Item::Attachment(Attachment { name, data })));
+                }
+                _ => (),
+            }
+        }
+        Ok(None)
+    }
+
+    /// Topics that this program does not know are left out.
+    fn take_channel(&mut self, channel: &mcap::records::Channel) -> Result<(), ReadError> {
+        let Some(topic) = Topic::of_name(&channel.topic) else { return Ok(()) };
+        if let Topic::Raw(raw) = topic {
+            let found = self.schemas.get(&channel.schema_id).map(|data| String::from_utf8_lossy(data));
+            let found = found.unwrap_or_default();
+            if found != layout(raw) {
+                let found = found.chars().take(16).collect();
+                return Err(ReadError::OtherLayout { path: self.path.clone(), channel: raw, found });
+            }
+        }
+        self.topics.insert(channel.id, topic);
+        Ok(())
+    }
+
+    /// How it ended; [`End::Complete`] until it has.
+    #[must_use]
+    pub fn end(&self) -> End {
+        self.end.clone().unwrap_or(End::Complete)
+    }
+
+    fn next_record(&mut self) -> Result<Option<Record<'static>>, ReadError> {
+        if self.end.is_some() {
+            return Ok(None);
+        }
+        let mut has_read = false;
+        while let Some(event) = self.reader.next_event() {
+            match event {
+                Ok(LinearReadEvent::ReadRequest(bytes)) => {
+                    // A file that ends early asks for what is not there; the limit above bounds what is asked for.
+                    let read = self
+                        .input
+                        .read(self.reader.insert(bytes))
+                        .map_err(|source| ReadError::Open { path: self.path.clone(), source })?;
+                    self.reader.notify_read(read);
+                    has_read |= read > 0;
+                }
+                Ok(LinearReadEvent::Record { data, opcode }) => match parse_record(opcode, data) {
+                    Ok(record) => return Ok(Some(record.into_owned())),
+                    Err(error) => return Ok(self.ends(&error, has_read)),
+                },
+                Err(error) => return Ok(self.ends(&error, has_read)),
+            }
+        }
+        self.end = Some(End::Complete);
+        Ok(None)
+    }
+
+    fn ends(&mut self, error: &McapError, has_read: bool) -> Option<Record<'static>> {
+        let why = match error {
+            McapError::UnexpectedEof if !has_read && self.schemas.is_empty() => EMPTY.to_owned(),
+            McapError::BadMagic if self.schemas.is_empty() => NO_MAGIC.to_owned(),
+            other => other.to_string(),
+        };
+        self.end = Some(End::Cut(why));
+        None
+    }
+}
+
+const EMPTY: &str = "the file is empty";
+const NO_MAGIC: &str = "the file does not begin as an MCAP file";

@@ -1,0 +1,497 @@
+//! `record`: from every channel to recordings. It only reads: nothing waits for it, and without it nothing is slower or faster.
+
+use std::collections::VecDeque;
+use std::io;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use andon_host::config::Config;
+use andon_host::exit::Code::Fault;
+use andon_host::log::Remedy::OfCode;
+use andon_host::log::{code, log};
+use andon_host::role::{Cycle, CycleError, Ending, Failure, Role, Turn};
+use andon_ipc::{
+    Channel, ChannelMessage, FrameReader, FrameSample, MonotonicTime, Node, Port, Reader, UtcTime,
+};
+use prost::Message as _;
+use serde::{Deserialize, Serialize};
+use shm_schemas::{
+    AccountKept, AccountUpdate, Audit, Command, Couples, Detections, Health, Journalled, JudgePhase, Judging,
+    MessageId, Stamp, Verdict, VerdictMeasure, VerdictOutcome, bytes_of, flag,
+};
+
+use crate::disk::{Disk, Told};
+use crate::picture::{Decoded, PictureMaker, decode};
+use crate::recorder::{MESSAGE_MEMORY, Recorder, ToDisk};
+use crate::store::Budget;
+use crate::topic::Topic;
+use crate::viewer::{CompressedImage, Level, Log, Number, timestamp};
+use crate::writer::{Attachment, Entry};
+
+/// Detections that wait for a verdict on them: a verdict is decided a tenth of a second after its frame.
+const RECENT: usize = 60;
+
+/// How long a disk that could not be written is left alone.
+const AGAIN: Duration = Duration::from_secs(5);
+
+/// A disk that is too slow is so all the time.
+const LOG_SLOW_EVERY: Duration = Duration::from_secs(60);
+
+/// What the recorder cannot know, because it lies above it.
+pub trait Narrator {
+    /// A verdict as a sentence.
+    fn sentence(&mut self, verdict: &Verdict) -> String;
+
+    /// The job in force, as a file; `None` where it cannot be read.
+    fn job(&mut self, judging: &Judging) -> Option<Attachment>;
+
+    /// A picture with what was seen in it and what was said of it, as JPEG.
+    fn still(&mut self, picture: Decoded, seen: Option<&Detections>, verdict: &Verdict) -> Option<Vec<u8>>;
+}
+
+/// Why the role ends.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// What ends any role.
+    #[error(transparent)]
+    Cycle(#[from] CycleError),
+    /// The thread that writes cannot be started.
+    #[error("the thread that writes recordings cannot be started: {0}")]
+    Thread(io::Error),
+}
+
+impl Failure for RecordError {
+    fn ending(&self) -> Option<Ending> {
+        match self {
+            Self::Cycle(error) => error.ending(),
+            Self::Thread(_) => Some((&code::ROLE_FAILED, OfCode, Fault)),
+        }
+    }
+
+    fn is_lasting(&self) -> bool {
+        matches!(self, Self::Cycle(error) if error.is_lasting())
+    }
+}
+
+/// What the recorder did not get, since the recording began or it was said last.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Losses {
+    /// The channel; `recording` where the disk was too slow.
+    pub channel: String,
+    /// Messages that did not come.
+    pub lost: u64,
+    /// How often its writer has started again.
+    pub restarts: u32,
+}
+
+/// A channel whose messages are kept as they are.
+struct Tap<T: ChannelMessage> {
+    reader: Reader<T>,
+    said: (u64, u32),
+}
+
+impl<T: ChannelMessage> Tap<T> {
+    fn new(node: &Node) -> Result<Self, CycleError> {
+        Ok(Self { reader: node.reader()?, said: (0, 0) })
+    }
+
+    /// What has not come since this was asked last.
+    fn news(&mut self) -> Option<Losses> {
+        let now = (self.reader.lost(), self.reader.restarts());
+        losses(T::CHANNEL, now, &mut self.said)
+    }
+}
+
+fn losses(channel: Channel, now: (u64, u32), said: &mut (u64, u32)) -> Option<Losses> {
+    let (lost, restarts) = std::mem::replace(said, now);
+    let is_news = now != (lost, restarts);
+    is_news.then(|| Losses {
+        channel: channel.name().into(),
+        lost: now.0.saturating_sub(lost),
+        restarts: now.1.saturating_sub(restarts),
+    })
+}
+
+struct Recording<N> {
+    frames: FrameReader,
+    frames_said: (u64, u32),
+    detections: Tap<Detections>,
+    couples: Tap<Couples>,
+    verdicts: Tap<Verdict>,
+    accounts: Tap<AccountUpdate>,
+    kept: Tap<AccountKept>,
+    rows: Tap<Journalled>,
+    health: Tap<Health>,
+    commands: Tap<Command>,
+    judging: Tap<Judging>,
+    audits: Tap<Audit>,
+    pictures: PictureMaker,
+    recorder: Recorder<ToDisk>,
+    narrator: N,
+    /// The job that the recordings carry.
+    model_hash: u64,
+    /// Whether this station has pictures at all.
+    has_pictures: bool,
+    recent: VecDeque<Detections>,
+    /// What was sent before belongs to an earlier recording.
+    began: MonotonicTime,
+    failed: Option<Instant>,
+    slow_logged: Option<Instant>,
+    lost_said: u64,
+    lost_logged: u64,
+}
+
+/// Runs until it is asked to stop. `attachments` belong to every recording.
+///
+/// # Errors
+/// What ends the role.
+pub fn run<N: Narrator>(
+    node: &Node,
+    config: &Config,
+    attachments: Vec<Attachment>,
+    narrator: N,
+) -> Result<(), RecordError> {
+    let record = config.record.clone();
+    let limit = ((record.memory_mb as usize) << 20) + MESSAGE_MEMORY;
+    let disk = Disk::start(config.recordings(), budget(config), limit).map_err(RecordError::Thread)?;
+    let mut recorder = Recorder::new(ToDisk { disk, offset_ns }, record.clone());
+    attachments.into_iter().for_each(|attachment| recorder.attach(attachment));
+    let mut role = Recording {
+        frames: node.frame_reader().map_err(CycleError::from)?,
+        frames_said: (0, 0),
+        detections: Tap::new(node)?,
+        couples: Tap::new(node)?,
+        verdicts: Tap::new(node)?,
+        accounts: Tap::new(node)?,
+        kept: Tap::new(node)?,
+        rows: Tap::new(node)?,
+        health: Tap::new(node)?,
+        commands: Tap::new(node)?,
+        judging: Tap::new(node)?,
+        audits: Tap::new(node)?,
+        pictures: PictureMaker::new(&record),
+        recorder,
+        narrator,
+        model_hash: 0,
+        has_pictures: false,
+        recent: VecDeque::with_capacity(RECENT),
+        began: MonotonicTime::now(),
+        failed: None,
+        slow_logged: None,
+        lost_said: 0,
+        lost_logged: 0,
+    };
+    let mut cycle = Cycle::new(node)?;
+    // On a bench whose camera is away no message may come for hours.
+    cycle.stepped(Instant::now());
+    cycle.run(&mut role)
+}
+
+/// While nothing is recorded, what was recorded before still grows too old: removes it in time, until the result is dropped.
+///
+/// # Errors
+/// That no thread can be started.
+pub fn retain(config: &Config) -> Result<Option<Disk>, RecordError> {
+    let folder = config.recordings();
+    let disk = folder.is_dir().then(|| Disk::start(folder, budget(config), 0));
+    disk.transpose().map_err(RecordError::Thread)
+}
+
+fn budget(config: &Config) -> Budget {
+    let record = &config.record;
+    Budget {
+        // The one that is being written may become as large as a file may.
+        bytes: u64::from(record.keep_mb.saturating_sub(record.file_mb)) << 20,
+        age: Duration::from_secs(86_400) * record.keep_days,
+        journal: Some((config.journal_path(), u64::from(config.journal.keep_mb) << 20)),
+    }
+}
+
+/// UTC now minus CLOCK_MONOTONIC now, nanoseconds.
+fn offset_ns() -> i128 {
+    i128::from(UtcTime::now().nanoseconds()) - i128::from(MonotonicTime::now().nanoseconds())
+}
+
+/// Takes everything that has come on a channel.
+macro_rules! drain {
+    ($self:ident, $tap:ident) => {
+        while let Some(message) = $self.$tap.reader.take().map_err(CycleError::from)? {
+            $self.keep(&*message, false);
+        }
+        if let Some(losses) = $self.$tap.news() {
+            $self.say_losses(&losses);
+        }
+    };
+}
+
+impl<N: Narrator> Role for Recording<N> {
+    type Error = RecordError;
+    // Who has fallen silent is for those to say that need it.
+    const INPUT_IS_STEADY: bool = false;
+
+    fn ports(&mut self) -> Vec<&mut dyn Port> {
+        vec![
+            &mut self.commands.reader,
+            &mut self.judging.reader,
+            &mut self.frames,
+            &mut self.detections.reader,
+            &mut self.couples.reader,
+            &mut self.verdicts.reader,
+            &mut self.rows.reader,
+            &mut self.accounts.reader,
+            &mut self.kept.reader,
+            &mut self.audits.reader,
+            &mut self.health.reader,
+        ]
+    }
+
+    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RecordError> {
+        drain!(self, commands);
+        self.take_judging()?;
+        self.take_frames()?;
+        let mut turn = Turn::Idle;
+        while let Some(detections) = cycle.take(&mut self.detections.reader)? {
+            self.keep(&*detections, false);
+            if self.recent.len() == RECENT {
+                self.recent.pop_front();
+            }
+            self.recent.push_back(*detections);
+            turn = Turn::Stepped;
+        }
+        if let Some(losses) = self.detections.news() {
+            self.say_losses(&losses);
+        }
+        drain!(self, couples);
+        self.take_verdicts()?;
+        drain!(self, rows);
+        drain!(self, accounts);
+        drain!(self, kept);
+        drain!(self, audits);
+        drain!(self, health);
+        // First, because what ends now must say what is missing in it.
+        self.say_slowness();
+        self.recorder.look(MonotonicTime::now().nanoseconds());
+        Ok(if self.is_failing(cycle) { Turn::Idle } else { turn })
+    }
+
+    fn stop(&mut self, _cycle: &mut Cycle<'_>) -> Result<(), RecordError> {
+        self.say_slowness();
+        self.recorder.end();
+        self.recorder.sink().disk.finish();
+        self.listen_to_disk();
+        Ok(())
+    }
+}
+
+impl<N: Narrator> Recording<N> {
+    /// Keeps a message as it is.
+    fn keep<T: ChannelMessage>(&mut self, message: &T, is_standing: bool) {
+        let entry = raw(T::CHANNEL, message.stamp(), bytes_of(message));
+        self.recorder.take(entry, is_standing);
+    }
+
+    fn take_judging(&mut self) -> Result<(), RecordError> {
+        while let Some(judging) = self.judging.reader.take().map_err(CycleError::from)? {
+            if judging.model_hash != self.model_hash {
+                self.model_hash = judging.model_hash;
+                if let Some(job) = self.narrator.job(&judging) {
+                    self.recorder.attach_job(job);
+                }
+            }
+            self.keep(&*judging, true);
+            let is_running = judging.phase == JudgePhase::Running.code();
+            self.recorder.job(is_running, judging.stamp.sent_ns);
+        }
+        if let Some(losses) = self.judging.news() {
+            self.say_losses(&losses);
+        }
+        Ok(())
+    }
+
+    /// Every frame that waits. One that cannot be a picture is kept as its header alone.
+    fn take_frames(&mut self) -> Result<(), RecordError> {
+        while let Some(frame) = self.frames.take().map_err(CycleError::from)? {
+            let header = frame.header();
+            self.recorder.take(raw(Channel::Frame, &header.stamp, bytes_of(header)), false);
+            if header.width > 0 && header.flags & flag::END_OF_STREAM == 0 {
+                self.take_picture(&frame);
+            }
+        }
+        let now = (self.frames.lost(), self.frames.restarts());
+        if let Some(losses) = losses(Channel::Frame, now, &mut self.frames_said) {
+            self.say_losses(&losses);
+        }
+        Ok(())
+    }
+
+    fn take_picture(&mut self, frame: &FrameSample) {
+        self.has_pictures = true;
+        let header = frame.header();
+        let Ok(colour) = frame.colour() else { return };
+        let jpeg = match self.pictures.jpeg(header, colour) {
+            Ok(jpeg) => jpeg,
+            Err(error) => {
+                tracing::debug!(%error, "frame {} has no picture", header.stamp.seq);
+                return;
+            }
+        };
+        let (time_ns, sent_ns) = times(&header.stamp);
+        let image = CompressedImage {
+            timestamp: timestamp(utc(time_ns)),
+            data: jpeg,
+            format: "jpeg".into(),
+            frame_id: "camera".into(),
+        };
+        self.take(Topic::Picture, time_ns, sent_ns, image.encode_to_vec());
+    }
+
+    fn take(&mut self, topic: Topic, time_ns: u64, sent_ns: u64, data: Vec<u8>) {
+        self.recorder.take(Entry { topic, time_ns, sent_ns, data: data.into() }, false);
+    }
+
+    fn take_verdicts(&mut self) -> Result<(), RecordError> {
+        while let Some(verdict) = self.verdicts.reader.take().map_err(CycleError::from)? {
+            if MonotonicTime::sent(&verdict.stamp) < self.began {
+                continue;
+            }
+            self.keep(&*verdict, false);
+            self.tell_viewers(&verdict);
+            let now_ns = MonotonicTime::now().nanoseconds();
+            let is_clip = self.recorder.verdict(&verdict, now_ns);
+            if is_clip && verdict.outcome() == Ok(VerdictOutcome::Anomaly) {
+                self.keep_still(&verdict);
+            }
+        }
+        if let Some(losses) = self.verdicts.news() {
+            self.say_losses(&losses);
+        }
+        Ok(())
+    }
+
+    /// The verdict as a sentence, and its numbers.
+    fn tell_viewers(&mut self, verdict: &Verdict) {
+        let (time_ns, sent_ns) = times(&verdict.stamp);
+        let at = timestamp(utc(time_ns));
+        let level = match verdict.outcome() {
+            Ok(VerdictOutcome::Anomaly) => Level::Error,
+            Ok(VerdictOutcome::NotJudged) => Level::Warning,
+            Ok(VerdictOutcome::Ok) if verdict.note != 0 => Level::Warning,
+            _ => Level::Info,
+        };
+        let message = self.narrator.sentence(verdict);
+        let log = Log { timestamp: at, level: level as i32, message, name: "judge".into() };
+        self.take(Topic::Log, time_ns, sent_ns, log.encode_to_vec());
+        let ratio = f64::from(verdict.distance) / f64::from(verdict.threshold);
+        if ratio.is_finite() {
+            let number = Number { timestamp: at, value: ratio, name: "distance over threshold".into() };
+            self.take(Topic::Ratio, time_ns, sent_ns, number.encode_to_vec());
+        }
+        if let Ok(measure) = VerdictMeasure::try_from(verdict.measure)
+            && verdict.measured.is_finite()
+        {
+            let (value, name) = (f64::from(verdict.measured), measure.name().into());
+            let number = Number { timestamp: at, value, name };
+            self.take(Topic::Measure, time_ns, sent_ns, number.encode_to_vec());
+        }
+    }
+
+    /// Puts the picture that an anomaly was decided on beside the recording. Where the camera has sent no picture yet, nobody expects one.
+    fn keep_still(&mut self, verdict: &Verdict) {
+        let MessageId { epoch, seq } = verdict.stamp.id();
+        match self.still(verdict) {
+            Some(jpeg) => self.recorder.still(MessageId { epoch, seq }, jpeg),
+            None if self.has_pictures => log!(code::STILL_MISSING, "there is no {epoch}-{seq}.jpg"),
+            None => (),
+        }
+    }
+
+    fn still(&mut self, verdict: &Verdict) -> Option<Vec<u8>> {
+        let entry = self.recorder.picture_at(verdict.stamp.captured_ns)?;
+        let image = CompressedImage::decode(entry.data.as_ref()).ok()?;
+        let time_ns = entry.time_ns;
+        let picture = decode(&image.data).ok()?;
+        let seen = self.recent.iter().find(|seen| seen.stamp.captured_ns == time_ns);
+        self.narrator.still(picture, seen, verdict)
+    }
+
+    fn say_losses(&mut self, losses: &Losses) {
+        self.recorder.take(losses_entry(losses), false);
+        if losses.lost > 0 {
+            let now_ns = MonotonicTime::now().nanoseconds();
+            let message =
+                format!("{} messages of the channel {} are missing here", losses.lost, losses.channel);
+            let level = Level::Warning as i32;
+            let log = Log { timestamp: timestamp(utc(now_ns)), level, message, name: "record".into() };
+            self.take(Topic::Log, now_ns, now_ns, log.encode_to_vec());
+        }
+    }
+
+    /// Says in the recording at once what a slow disk has cost, and in the log from time to time.
+    fn say_slowness(&mut self) {
+        let lost = self.recorder.lost();
+        let unsaid = Losses { channel: "recording".into(), lost: lost - self.lost_said, restarts: 0 };
+        if unsaid.lost > 0 && self.recorder.note(losses_entry(&unsaid)) {
+            self.lost_said = lost;
+        }
+        if lost > self.lost_logged && self.slow_logged.is_none_or(|at| at.elapsed() >= LOG_SLOW_EVERY) {
+            self.slow_logged = Some(Instant::now());
+            log!(code::RECORDING_SLOW, "{} messages and pictures are missing", lost - self.lost_logged);
+            self.lost_logged = lost;
+        }
+    }
+
+    /// Whether nothing can be written. It is tried again from time to time.
+    fn is_failing(&mut self, cycle: &mut Cycle<'_>) -> bool {
+        self.listen_to_disk();
+        let is_failing = self.recorder.sink().disk.is_failing();
+        if !is_failing {
+            self.failed = None;
+            return false;
+        }
+        let is_probing = self.recorder.sink().disk.is_probing();
+        if !is_probing && self.failed.is_none_or(|at| at.elapsed() >= AGAIN) {
+            self.failed = Some(Instant::now());
+            self.recorder.give_up();
+            self.recorder.sink().disk.probe();
+        }
+        cycle.liveness().failing();
+        true
+    }
+
+    fn listen_to_disk(&mut self) {
+        let told: Vec<Told> = self.recorder.sink().disk.told().collect();
+        for told in told {
+            match told {
+                Told::Began(path) => log!(code::RECORDING_BEGAN, "{}", path.display()),
+                Told::Kept(path) => log!(code::RECORDING_KEPT, "{}", path.display()),
+                Told::Repaired(path) => log!(code::RECORDING_REPAIRED, "{}", path.display()),
+                Told::Trimmed(count) => log!(code::RECORDINGS_TRIMMED, "{count} recordings were removed"),
+                Told::Unwritten(why) => log!(code::RECORDINGS_UNWRITTEN, "{why}"),
+                Told::Unrepaired(why) => log!(code::RECORDING_UNREPAIRED, remedied: "{why}"),
+            }
+        }
+    }
+}
+
+fn losses_entry(losses: &Losses) -> Entry {
+    let now_ns = MonotonicTime::now().nanoseconds();
+    // It consists of a text and two numbers: nothing of it cannot be written.
+    let text = serde_json::to_vec(losses).unwrap_or_default();
+    Entry { topic: Topic::Losses, time_ns: now_ns, sent_ns: now_ns, data: text.into() }
+}
+
+/// A message as its bytes.
+fn raw(channel: Channel, stamp: &Stamp, bytes: &[u8]) -> Entry {
+    let (time_ns, sent_ns) = times(stamp);
+    Entry { topic: Topic::Raw(channel), time_ns, sent_ns, data: Arc::from(bytes) }
+}
+
+/// The time of the picture that a message comes from, and that of its sending; CLOCK_MONOTONIC, nanoseconds.
+fn times(stamp: &Stamp) -> (u64, u64) {
+    let time_ns = if stamp.captured_ns == 0 { stamp.sent_ns } else { stamp.captured_ns };
+    (time_ns, stamp.sent_ns)
+}
+
+fn utc(monotonic_ns: u64) -> u64 {
+    UtcTime::at(MonotonicTime::from_nanoseconds(monotonic_ns)).nanoseconds()
+}

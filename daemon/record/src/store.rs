@@ -1,0 +1,382 @@
+//! The folder of the recordings: what is in it, what may stay, and what goes.
+
+use std::collections::{HashMap, HashSet};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+use jiff::Timestamp;
+use rustix::fs::{FlockOperation, flock, statvfs};
+use shm_schemas::MessageId;
+
+use crate::index::Index;
+
+/// The ending of a recording.
+const ENDING: &str = "mcap";
+
+/// The form of the time with which its name begins, see [`stamp`].
+const STAMP: &[u8] = b"00000000T000000.000Z";
+
+/// A recording in the folder.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// The file.
+    pub path: PathBuf,
+    /// What it shows; of one that is not complete yet, what it showed a moment ago.
+    pub index: Index,
+}
+
+/// What recordings may take.
+#[derive(Clone, Debug)]
+pub struct Budget {
+    /// All of them together, bytes.
+    pub bytes: u64,
+    /// How old one may be.
+    pub age: Duration,
+    /// The journal, which may still grow to this many bytes on the same disk.
+    pub journal: Option<(PathBuf, u64)>,
+}
+
+/// On a disk that has no more left, programs fail that have nothing to do with recordings.
+const SPARE: u64 = 64 << 20;
+
+/// The recordings of a folder, the oldest first: their names are their times. One that has no index yet is read for it. A folder that is not there
+/// has none.
+///
+/// # Errors
+/// That the folder cannot be read.
+pub fn recordings(folder: &Path) -> io::Result<Vec<Recording>> {
+    let with_index = |path: PathBuf| {
+        // What cannot be read shows nothing; who opens it by its name is told why.
+        let index = Index::beside(&path).or_else(|| Index::of(&path).ok()).unwrap_or_default();
+        Recording { path, index }
+    };
+    Ok(files(folder)?.into_iter().map(with_index).collect())
+}
+
+/// The files of the recordings of a folder, the oldest first.
+///
+/// # Errors
+/// As [`recordings`].
+pub(crate) fn files(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    let entries = match fs::read_dir(folder) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries?,
+    };
+    let paths = entries.map(|entry| Ok(entry?.path()));
+    let is_recording =
+        |path: &PathBuf| path.extension().is_some_and(|ending| ending == ENDING) && is_ours(path);
+    let mut files: Vec<PathBuf> =
+        paths.filter(|path| path.as_ref().map_or(true, is_recording)).collect::<io::Result<_>>()?;
+    files.sort();
+    Ok(files)
+}
+
+/// Whether a file has the name of a recording, or of what lies beside one: it begins with a time. Other files in the folder are somebody else's.
+fn is_ours(path: &Path) -> bool {
+    let Some(name) = path.file_name().map(|name| name.as_encoded_bytes()) else { return false };
+    let is_like = |(byte, form): (&u8, &u8)| if *form == b'0' { byte.is_ascii_digit() } else { byte == form };
+    name.len() > STAMP.len() && name.iter().zip(STAMP).all(is_like)
+}
+
+/// The recording that shows each verdict; the oldest, where several do. A later clip repeats the last verdicts of the one before it, without what came
+/// before them.
+#[must_use]
+pub fn by_verdict(recordings: &[Recording]) -> HashMap<MessageId, &Recording> {
+    let newest_first = recordings.iter().rev();
+    let verdicts = newest_first
+        .flat_map(|recording| recording.index.verdicts.iter().map(move |verdict| (verdict.id(), recording)));
+    verdicts.collect()
+}
+
+/// Removes what a repair that was killed has left.
+pub(crate) fn sweep(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.starts_with(".andon-") && name.ends_with(ENDING) {
+            // What cannot be removed now is no recording and does no harm.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// A name that no recording of the folder has.
+pub(crate) fn new_file(folder: &Path, utc_ns: u64) -> PathBuf {
+    let name = |more: &str| folder.join(format!("{}{more}.{ENDING}", stamp(utc_ns)));
+    // In the order of the names this comes after the one without a number.
+    let names = (1..u32::MAX).map(|number| name(&format!("_{number}")));
+    std::iter::once(name("")).chain(names).find(|path| !path.exists()).unwrap_or_else(|| name(""))
+}
+
+/// A time as the name of a file, to the millisecond: names in their order are times in their order.
+fn stamp(utc_ns: u64) -> String {
+    Timestamp::from_nanosecond(i128::from(utc_ns))
+        .map_or_else(|_| utc_ns.to_string(), |time| time.strftime("%Y%m%dT%H%M%S.%3fZ").to_string())
+}
+
+/// What has become of a recording that was to be removed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Removed {
+    /// It is not there any more, whoever has removed it.
+    Gone,
+    /// A recorder writes it: it stays.
+    InUse,
+}
+
+/// Removes a recording with everything beside it, unless a recorder writes it. The file itself goes last: what is left after a kill is removed by the
+/// next try.
+///
+/// # Errors
+/// What the system says.
+pub fn remove(recording: &Path) -> io::Result<Removed> {
+    let file = match fs::File::open(recording) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Removed::Gone),
+        file => file?,
+    };
+    if !lock(&file) {
+        return Ok(Removed::InUse);
+    }
+    for path in beside(recording)? {
+        remove_file(&path)?;
+    }
+    remove_file(recording)?;
+    Ok(Removed::Gone)
+}
+
+/// Removes a file that somebody else may have removed meanwhile.
+///
+/// # Errors
+/// What the system says.
+pub fn remove_file(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        removed => removed,
+    }
+}
+
+/// What lies beside no recording, as where one was removed by hand or by an older program: an index or stills. Nobody can say whom it shows.
+///
+/// # Errors
+/// What the system says.
+pub fn orphans(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    let stems: HashSet<_> = files(folder)?.iter().filter_map(|path| stem(path)).collect();
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if is_index_or_still(&path) && stem(&path).is_some_and(|stem| !stems.contains(&stem)) {
+            found.push(path);
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+fn is_index_or_still(path: &Path) -> bool {
+    is_ours(path) && path.extension().is_some_and(|ending| ending == "json" || ending == "jpg")
+}
+
+/// What the names of a recording and of everything beside it begin with: all up to the second point, of which the first is in the time.
+fn stem(path: &Path) -> Option<String> {
+    let name = path.file_name()?.to_string_lossy().into_owned();
+    let end = name.match_indices('.').nth(1)?.0;
+    Some(name[..end].to_owned())
+}
+
+/// The files that lie beside a recording: its index and its stills.
+fn beside(recording: &Path) -> io::Result<Vec<PathBuf>> {
+    let Some((folder, of)) = recording.parent().zip(stem(recording)) else { return Ok(Vec::new()) };
+    let mut paths = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if is_index_or_still(&path) && stem(&path).as_ref() == Some(&of) {
+            paths.push(path);
+        }
+    }
+    Ok(paths)
+}
+
+/// Removes the oldest recordings until what is left is within the budget, and returns how many. What a recorder writes stays, whichever it is.
+///
+/// # Errors
+/// What the system says.
+pub fn enforce(folder: &Path, budget: &Budget) -> io::Result<u64> {
+    for path in orphans(folder)? {
+        remove_file(&path)?;
+    }
+    let oldest = SystemTime::now().checked_sub(budget.age);
+    let mut kept = Vec::new();
+    for path in files(folder)? {
+        let Some((bytes, changed)) = size_and_age(&path)? else { continue };
+        kept.push((path, bytes, oldest.is_some_and(|oldest| changed < oldest)));
+    }
+    let mut total: u64 = kept.iter().map(|(_, bytes, _)| bytes).sum();
+    let mut removed = 0;
+    for (path, bytes, is_too_old) in kept {
+        let is_too_much = total > budget.bytes || lacks_room(folder, budget);
+        if (is_too_old || is_too_much) && remove(&path)? == Removed::Gone {
+            total -= bytes;
+            removed += 1;
+        }
+    }
+    Ok(removed)
+}
+
+/// The bytes of a recording and when it was written last; `None` where somebody has removed it meanwhile.
+fn size_and_age(recording: &Path) -> io::Result<Option<(u64, SystemTime)>> {
+    let found = fs::metadata(recording).and_then(|file| Ok((size(recording)?, file.modified()?)));
+    match found {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        found => found.map(Some),
+    }
+}
+
+/// Whether the disk has less room left than the journal may still need.
+pub(crate) fn lacks_room(folder: &Path, budget: &Budget) -> bool {
+    !has_room_for(folder, budget, 0)
+}
+
+/// Whether the disk has room for this many bytes, beside what the journal may still need.
+pub(crate) fn has_room_for(folder: &Path, budget: &Budget, bytes: u64) -> bool {
+    let Ok(disk) = statvfs(folder) else { return true };
+    let free = disk.f_bavail.saturating_mul(disk.f_frsize);
+    let owed = budget.journal.as_ref().map_or(0, |journal| owed(folder, journal));
+    free >= bytes.saturating_add(SPARE).saturating_add(owed)
+}
+
+/// The bytes by which the journal may still grow on the same disk.
+fn owed(folder: &Path, (path, limit): &(PathBuf, u64)) -> u64 {
+    use std::os::unix::fs::MetadataExt as _;
+    let device = |path: &Path| fs::metadata(path).map(|file| file.dev()).ok();
+    let home = path.parent().unwrap_or(path);
+    if device(home) != device(folder) {
+        return 0;
+    }
+    limit.saturating_sub(fs::metadata(path).map_or(0, |file| file.len()))
+}
+
+/// The bytes of a recording and of everything beside it.
+fn size(recording: &Path) -> io::Result<u64> {
+    let mut bytes = fs::metadata(recording)?.len();
+    for path in beside(recording)? {
+        bytes += fs::metadata(path)?.len();
+    }
+    Ok(bytes)
+}
+
+/// Takes the lock of a recording, for as long as the file is open. False where a recorder writes it.
+pub(crate) fn lock(file: &fs::File) -> bool {
+    flock(file, FlockOperation::NonBlockingLockExclusive).is_ok()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::index::IndexedVerdict;
+
+    const GENEROUS: Budget = Budget { bytes: u64::MAX, age: Duration::from_secs(86_400), journal: None };
+
+    fn folder(names: &[&str]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for name in names {
+            fs::write(folder.path().join(name), [0; 1000]).unwrap();
+        }
+        folder
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<String> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_time_as_a_name_is_that_of_the_calendar() {
+        for (seconds, name) in [
+            (0, "19700101T000000.000Z"),
+            (951_782_400, "20000229T000000.000Z"),
+            (1_795_850_914, "20261128T072834.000Z"),
+        ] {
+            assert_eq!(stamp(seconds * 1_000_000_000), name);
+        }
+    }
+
+    /// The names of what begins with the time of this day.
+    fn of_day<const N: usize>(names: [(u8, &str); N]) -> [String; N] {
+        names.map(|(day, ending)| format!("202611{day:02}T072834.000Z.{ending}"))
+    }
+
+    fn folder_of<const N: usize>(named: [(u8, &str); N], others: &[&str]) -> tempfile::TempDir {
+        let named = of_day(named);
+        let all: Vec<&str> = named.iter().map(String::as_str).chain(others.iter().copied()).collect();
+        folder(&all)
+    }
+
+    #[test]
+    fn the_oldest_go_first_with_what_lies_beside_them_and_the_one_being_written_stays() {
+        let all = [(1, "mcap"), (1, "json"), (1, "7-1.jpg"), (2, "mcap"), (3, "mcap")];
+        let folder = folder_of(all, &["journal.sqlite"]);
+        let written = fs::File::open(folder.path().join(&of_day([(3, "mcap")])[0])).unwrap();
+        assert!(lock(&written));
+        let budget = Budget { bytes: 2500, ..GENEROUS };
+        assert_eq!(enforce(folder.path(), &budget).unwrap(), 1);
+        let [second, third] = of_day([(2, "mcap"), (3, "mcap")]);
+        assert_eq!(names(folder.path()), [second.as_str(), &third, "journal.sqlite"]);
+        let budget = Budget { bytes: 0, ..GENEROUS };
+        assert_eq!(enforce(folder.path(), &budget).unwrap(), 1);
+        assert_eq!(names(folder.path()), [third.as_str(), "journal.sqlite"]);
+        assert_eq!(remove(&folder.path().join(&third)).unwrap(), Removed::InUse);
+        drop(written);
+        assert_eq!(remove(&folder.path().join(&third)).unwrap(), Removed::Gone);
+        assert_eq!(remove(&folder.path().join(&third)).unwrap(), Removed::Gone);
+    }
+
+    #[test]
+    fn what_lies_beside_no_recording_goes_and_what_is_somebody_elses_stays() {
+        let theirs = ["notes.json", "run.mcap", "run.mp4", "run.tracks.jsonl"];
+        let folder = folder_of([(1, "json"), (1, "7-1.jpg"), (2, "mcap"), (2, "json")], &theirs);
+        assert_eq!(enforce(folder.path(), &Budget { bytes: 0, ..GENEROUS }).unwrap(), 1);
+        assert_eq!(names(folder.path()), theirs);
+    }
+
+    #[test]
+    fn what_is_too_old_goes_however_much_room_there_is() {
+        let folder = folder_of([(1, "mcap"), (2, "mcap")], &[]);
+        let budget = Budget { age: Duration::ZERO, ..GENEROUS };
+        std::thread::sleep(Duration::from_millis(20));
+        assert_eq!(enforce(folder.path(), &budget).unwrap(), 2);
+        assert!(names(folder.path()).is_empty());
+    }
+
+    #[test]
+    fn the_room_that_the_journal_may_need_is_not_used() {
+        let folder = folder_of([(1, "mcap")], &["journal.sqlite"]);
+        let journal = folder.path().join("journal.sqlite");
+        // A journal that may grow beyond every disk.
+        let budget = Budget { journal: Some((journal, u64::MAX / 2)), ..GENEROUS };
+        assert!(lacks_room(folder.path(), &budget));
+        assert_eq!(enforce(folder.path(), &budget).unwrap(), 1);
+        assert_eq!(names(folder.path()), ["journal.sqlite"]);
+    }
+
+    #[test]
+    fn a_verdict_is_shown_by_the_clip_that_was_made_of_it() {
+        let verdict =
+            IndexedVerdict { epoch: 1, seq: 7, level: 0, outcome: 0, part: String::new(), decided_utc_ns: 0 };
+        let of = |path: &str| Recording {
+            path: path.into(),
+            index: Index { verdicts: vec![verdict.clone()], ..Index::default() },
+        };
+        let recordings = [of("first"), of("second")];
+        assert_eq!(by_verdict(&recordings)[&verdict.id()].path, Path::new("first"));
+    }
+
+    #[test]
+    fn a_folder_that_is_not_there_has_no_recordings() {
+        assert!(recordings(Path::new("/nonexistent/recordings")).unwrap().is_empty());
+    }
+}
