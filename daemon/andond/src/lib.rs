@@ -1,15 +1,17 @@
 //! The Andon daemon as a library, so that its binary and tests share it.
 //!
 //! Along the data path: [`video`] brings pictures, [`perception`] and, with depth, [`metric`] look at them. [`role`] has the processes of the line,
-//! [`wire`] what crosses shared memory, and [`report`] verdicts for people and programs. [`file`] opens what people and other programs made.
+//! [`encoding`] what `encode` does, [`wire`] what crosses shared memory, and [`report`] verdicts for people and programs. [`file`] opens what people and other programs made.
 //! [`sight`] names what the line cannot see. [`recorder`] writes down what they saw. [`recording`] and [`tool`] run the same code over files, and
 //! [`picture`] draws the result. [`cli`] and [`compatibility`] serve them all, and so does the crate `andon_host`: configuration, log, exit codes and
 //! the cycle of a role.
 #![forbid(unsafe_code)]
 
 mod backup;
+pub mod blackbox;
 pub mod cli;
 pub mod compatibility;
+pub mod encoding;
 mod identity;
 pub mod metric;
 mod outage;
@@ -22,6 +24,7 @@ pub mod role;
 pub mod sight;
 pub mod tool;
 pub mod video;
+pub mod watch;
 pub mod wire;
 
 pub use andon_learn::file;

@@ -18,6 +18,7 @@ use andon_perception::sight::{Observation, SightMonitor};
 use andon_perception::{ImageView, Perceiver, PerceptionError, PixelFormat};
 use shm_schemas::{Detections, flag};
 
+use crate::blackbox::{self, BlackboxError};
 use crate::perception;
 use crate::video::{Film, VideoError};
 use crate::wire;
@@ -26,7 +27,9 @@ use crate::wire;
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
     /// It is not there.
-    #[error("{path}: {source}; give a film, a folder of pictures or a track file (.tracks.jsonl)")]
+    #[error(
+        "{path}: {source}; give a film, a folder of pictures, a track file (.tracks.jsonl) or a recording (.mcap)"
+    )]
     Open {
         /// The recording.
         path: PathBuf,
@@ -39,6 +42,9 @@ pub enum RecordingError {
     /// A track file that was not written to its end.
     #[error("{0}")]
     CutShort(Truncation),
+    /// A recording of the role `record` that cannot be used.
+    #[error(transparent)]
+    Blackbox(#[from] BlackboxError),
     /// A film that cannot be read.
     #[error(transparent)]
     Video(#[from] VideoError),
@@ -86,6 +92,7 @@ impl fmt::Display for DuplicateMarker {
 enum Source {
     Tracks(Box<SeenTracks<BufReader<File>>>),
     Film(Box<Watched>),
+    Blackbox(Box<blackbox::Run>),
 }
 
 struct Watched {
@@ -114,14 +121,34 @@ impl Recording {
     pub fn open(path: &Path, config: &Config) -> Result<Self, RecordingError> {
         if Self::is_tracks(path) {
             Self::tracks(path, config.method.blind_ms)
+        } else if blackbox::is_recording(path) {
+            let run = blackbox::Run::open(path)?;
+            Ok(Self::of(run.header().clone(), Source::Blackbox(Box::new(run))))
         } else {
             Self::film(path, config)
         }
     }
 
+    /// As [`Recording::open`], as a run to learn from: of a recording of the role `record` the one piece in it.
+    ///
+    /// # Errors
+    /// What is missing or damaged, and where.
+    pub fn open_run(path: &Path, config: &Config) -> Result<Self, RecordingError> {
+        if !blackbox::is_recording(path) {
+            return Self::open(path, config);
+        }
+        let run = blackbox::Run::open_piece(path)?;
+        Ok(Self::of(run.header().clone(), Source::Blackbox(Box::new(run))))
+    }
+
     /// Whether this is the name of a track file.
     pub fn is_tracks(path: &Path) -> bool {
         path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("jsonl"))
+    }
+
+    /// Whether this is the name of a recording that says itself what its station can see: a track file, or one of the role `record`.
+    pub fn knows_its_station(path: &Path) -> bool {
+        Self::is_tracks(path) || blackbox::is_recording(path)
     }
 
     fn tracks(path: &Path, blind_ms: u32) -> Result<Self, RecordingError> {
@@ -167,7 +194,7 @@ impl Recording {
     /// The number of frames, where it is known beforehand.
     pub fn count(&self) -> Option<u64> {
         match &self.source {
-            Source::Tracks(_) => None,
+            Source::Tracks(_) | Source::Blackbox(_) => None,
             Source::Film(watched) => Some(watched.film.format().count).filter(|&count| count > 0),
         }
     }
@@ -195,6 +222,7 @@ impl Recording {
                 }
                 Ok(frame)
             }
+            Source::Blackbox(run) => Ok(run.next_frame()?),
         }
     }
 
@@ -213,10 +241,23 @@ impl Recording {
         self.duplicates.iter().filter(|duplicate| duplicate.frames > 2).map(words).collect()
     }
 
-    /// What the film shows now; a track file has no pictures.
+    /// The size of the pictures; a track file has none.
+    pub fn format(&self) -> Option<PictureFormat> {
+        match &self.source {
+            Source::Tracks(_) => None,
+            Source::Film(watched) => Some(watched.film.format()),
+            Source::Blackbox(run) => run.format(),
+        }
+    }
+
+    /// What the film shows now; a track file has no pictures, and a recording not of every frame.
     pub fn view(&self) -> Option<View<'_>> {
         match &self.source {
             Source::Tracks(_) => None,
+            Source::Blackbox(run) => {
+                let (format, picture, seen) = run.shown()?;
+                Some(View { format, picture, seen })
+            }
             Source::Film(watched) => Some(View {
                 format: watched.film.format(),
                 picture: watched.film.picture(),

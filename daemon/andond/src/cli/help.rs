@@ -44,6 +44,10 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
                 "andond teach --live --out jobs/polish.toml --report polish.html",
             ),
             (
+                "teach it again with the runs that a person has confirmed",
+                "andond teach --from-history --out jobs/polish.toml",
+            ),
+            (
                 "teach it again with one more run and without another one",
                 "andond teach --add run6.mp4 --without run2.mp4 --out jobs/polish.toml",
             ),
@@ -57,6 +61,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
                 "keep the film with the verdicts drawn on it",
                 "andond replay --job jobs/polish.toml run7.mp4 --annotate judged.mp4",
             ),
+            ("judge a recording of the station again, as it was", "andond replay 20261128T072834.125Z.mcap"),
         ],
     ),
     (
@@ -147,6 +152,28 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
             ("who has changed what", "andond history --since 7d --audit"),
         ],
     ),
+    (
+        "clip",
+        &[
+            ("where the recording of a verdict is", "andond clip 4711"),
+            ("a film of it, with what was seen and judged", "andond clip 4711 --annotate fault.mp4"),
+        ],
+    ),
+    (
+        "confirm",
+        &[
+            ("an accused piece was right after all", "andond confirm 4711 right"),
+            ("this one was not", "andond confirm 4712 wrong"),
+        ],
+    ),
+    ("whatif", &[("before another job is used", "andond whatif --since 7d --job jobs/polish-2.toml")]),
+    (
+        "forget",
+        &[
+            ("what is older than a month", "andond forget --before 30d"),
+            ("everything about one part", "andond forget --part SN-4711"),
+        ],
+    ),
     ("explain", &[("what a message in the log means, and what to do", "andond explain AND-307")]),
     ("backup", &[("also while the station runs", "andond backup bench1.tar")]),
     (
@@ -198,13 +225,13 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
 pub(super) const EXIT_CODES: &[(&str, &str)] = &[
     (
         "0",
-        "success, or stopped on request; replay: all is correct; status: all roles are healthy; idle: no job is running",
+        "success, or stopped on request; replay, whatif: all is correct; status: all roles are healthy; idle: no job is running",
     ),
     (
         "1",
-        "replay: an anomaly; status: some role is not healthy; idle: a job is still running; teach: the runs cannot be trusted or none was kept, and nothing was written; use: the judge has refused the job",
+        "replay, whatif: an anomaly; status: some role is not healthy; idle: a job is still running; teach: the runs cannot be trusted or none was kept, and nothing was written; use: the judge has refused the job",
     ),
-    ("2", "replay: nothing is wrong, but something could not be judged"),
+    ("2", "replay, whatif: nothing is wrong, but something could not be judged"),
     ("64", "the command line is wrong, or a file that it names cannot be used; the message says what to do"),
     (
         "70",

@@ -12,9 +12,9 @@ pub struct Teach {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
-    /// Correct runs of the whole job: films, folders of pictures and track files, also mixed. With --add and --without: those of the
+    /// Correct runs of the whole job: films, folders of pictures, track files and recordings (.mcap), also mixed. With --add and --without: those of the
     /// existing job, unless they are beside the job file or in the current folder
-    #[arg(required_unless_present_any = ["add", "without", "live"])]
+    #[arg(required_unless_present_any = ["add", "without", "live", "from_history"])]
     pub recordings: Vec<PathBuf>,
     /// The job file to write; with --add and --without the one to change
     #[arg(short, long, value_name = "JOB.toml")]
@@ -26,6 +26,10 @@ pub struct Teach {
     /// How many runs to show with --live
     #[arg(long, value_name = "NUMBER", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
     pub count: u16,
+    /// Also the runs in the recordings of the station that a person has confirmed to be right (`andond confirm ID right`). They are written to track
+    /// files beside the job file; an existing job is taught again with them
+    #[arg(long, conflicts_with = "live")]
+    pub from_history: bool,
     /// One more correct run for an existing job; can be repeated
     #[arg(long, value_name = "RECORDING")]
     pub add: Vec<PathBuf>,
@@ -104,10 +108,10 @@ pub struct Replay {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
-    /// The taught job
+    /// The taught job [default: those that were in force, of a recording of the role `record`]
     #[arg(short, long)]
-    pub job: PathBuf,
-    /// A film, a folder of pictures or a track file
+    pub job: Option<PathBuf>,
+    /// A film, a folder of pictures, a track file, or a recording of the role `record` (.mcap)
     pub recording: PathBuf,
     /// Print one JSON object per verdict; `distribution` in it is where an IU that is not right lies among the runs that were shown
     #[arg(long)]
@@ -209,4 +213,18 @@ pub struct Use {
     /// The job: its name, its number or its file, as `andond jobs` lists them
     #[arg(value_name = "NAME|NUMBER|FILE")]
     pub job: String,
+}
+
+/// `andond whatif`
+#[derive(Debug, Args)]
+pub struct Whatif {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// The job that might be used
+    #[arg(short, long)]
+    pub job: PathBuf,
+    /// Look only at what was recorded after this time (RFC 3339) or within this span before now (`90m`, `8h`, `7d`)
+    #[arg(long)]
+    pub since: Option<String>,
 }

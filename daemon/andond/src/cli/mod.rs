@@ -18,9 +18,10 @@ pub use help::command;
 pub(crate) use help::{examples, exit_codes, exit_table};
 
 pub use bench::{Calibrate, Hands, Look, Markers, New, Paper, Record, Tracks};
-pub use jobs::{Analyze, Cost, Experiment, Jobs, Names, Replay, Segment, Teach, ThresholdRule, Use};
+pub use jobs::{Analyze, Cost, Experiment, Jobs, Names, Replay, Segment, Teach, ThresholdRule, Use, Whatif};
 pub use station::{
-    Backup, Check, ConfigCommand, Demo, Explain, History, Idle, Level, Part, Restore, Speed, Status, Tail,
+    Backup, Check, Clip, ConfigCommand, Confirm, Demo, Explain, Forget, History, Idle, Level, Part, Restore,
+    Speed, Status, Tail, Was,
 };
 
 /// An andon cord that pulls itself: learns a manual job from a few demonstrations, then checks every step.
@@ -73,6 +74,14 @@ pub enum Command {
     Explain(Explain),
     /// Query the journal
     History(History),
+    /// Find the recording of a verdict
+    Clip(Clip),
+    /// Say whether a verdict was right: the journal keeps it, and `andond teach --from-history` learns from it
+    Confirm(Confirm),
+    /// Say what another job would have said of what was recorded; the exit code is as that of replay
+    Whatif(Whatif),
+    /// Remove recordings before their time; the journal keeps who has done it
+    Forget(Forget),
     /// Write jobs, configuration and journal of a station to one file, also while it runs
     Backup(Backup),
     /// Put back what `andond backup` wrote; the station must not run

@@ -187,3 +187,54 @@ pub struct Part {
     /// The part or serial id, printable ASCII, at most 32 characters; "" for none
     pub id: String,
 }
+
+/// `andond clip`
+#[derive(Debug, Args)]
+pub struct Clip {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// The number of a verdict, as `andond history` shows it behind a row that has a clip
+    #[arg(value_name = "ID")]
+    pub row: u64,
+    /// Write a film of it, with what was seen and judged drawn on it
+    #[arg(long, value_name = "FILE.mp4")]
+    pub annotate: Option<PathBuf>,
+}
+
+/// `andond confirm`
+#[derive(Debug, Args)]
+pub struct Confirm {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// The number of a verdict, as `andond history` shows it behind a row that has a clip
+    #[arg(value_name = "ID")]
+    pub row: u64,
+    /// Whether the work was right, whatever the verdict says
+    #[arg(value_enum)]
+    pub was: Was,
+}
+
+/// What a person says of the work that a verdict is on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Was {
+    /// It was right.
+    Right,
+    /// It was wrong.
+    Wrong,
+}
+
+/// `andond forget`
+#[derive(Debug, Args)]
+pub struct Forget {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// Remove the recordings that ended before this time (RFC 3339) or this span before now (`8h`, `30d`)
+    #[arg(long, value_name = "DATE", required_unless_present = "part")]
+    pub before: Option<String>,
+    /// Remove the recordings that show work on the part with this id
+    #[arg(long, value_name = "ID", conflicts_with = "before")]
+    pub part: Option<String>,
+}

@@ -6,6 +6,8 @@ mod canvas;
 mod panel;
 mod steps;
 mod still;
+mod veil;
 
 pub use annotator::{AnnotateError, Annotator, END_S};
-pub use still::{Marked, with_residuals, with_seen};
+pub use still::{Marked, with_residuals, with_seen, with_verdict};
+pub use veil::Veil;

@@ -3,15 +3,18 @@
 use andon_host::video::pipe::PictureFormat;
 use andon_perception::BenchPoint;
 use andon_perception::bench::{Examination, MarkerResidual};
-use shm_schemas::Detections;
+use shm_schemas::{Detections, flag};
 
 use super::annotator::{BONES, TIPS};
 use super::canvas::{AMBER, BLUE, Canvas, GREEN, RED, WHITE};
+use crate::report::Names;
 
 /// How many times as long as they are the residuals are drawn.
 const EXAGGERATED: f64 = 10.0;
 /// Below the picture: what the colours mean.
 const LEGEND_PX: u32 = 46;
+/// The width of a character of the words beneath a picture.
+const CHARACTER_PX: usize = 9;
 /// Between two lines of the bench's grid, in metres.
 const GRID_M: f64 = 0.1;
 
@@ -54,6 +57,56 @@ pub fn with_seen(
         }
     }
     Ok(canvas.pixels().to_vec())
+}
+
+/// The picture that an anomaly was decided on, with what was seen in it, and beneath it what was said. The format is that of the result, which is
+/// higher than the picture.
+///
+/// # Errors
+/// That OpenCV cannot draw.
+pub fn with_verdict(
+    format: PictureFormat,
+    picture: &[u8],
+    seen: Option<&Detections>,
+    names: &Names,
+    words: &str,
+) -> opencv::Result<(PictureFormat, Vec<u8>)> {
+    let higher = PictureFormat { height: format.height + LEGEND_PX, ..format };
+    let mut canvas = Canvas::at_its_size([format.width, format.height], higher.height);
+    canvas.show(picture)?;
+    let objects = seen.map(Detections::objects).unwrap_or_default();
+    for object in objects.iter().filter(|object| object.flags & flag::SEEN != 0) {
+        canvas.outline(&object.corners_px, GREEN)?;
+        let [x, y] = object.corners_px[0];
+        canvas.name([x, y - 6.0], &names.object(object.id), WHITE)?;
+    }
+    for hand in seen.map(Detections::hands).unwrap_or_default() {
+        for (from, to) in BONES {
+            canvas.line(hand.landmarks_px[from], hand.landmarks_px[to], BLUE, 2)?;
+        }
+        for tip in TIPS {
+            canvas.dot(hand.landmarks_px[tip], 4, AMBER)?;
+        }
+    }
+    for (line, words) in (1_u8..).zip(lines(words, format.width as usize / CHARACTER_PX)).take(2) {
+        canvas.text([8.0, format.height as f32 + 20.0 * f32::from(line)], &words, 0.5, WHITE)?;
+    }
+    Ok((higher, canvas.pixels().to_vec()))
+}
+
+/// Text in lines of at most this many characters, broken at blanks.
+fn lines(text: &str, longest: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.is_empty() || line.len() + 1 + word.len() <= longest => {
+                line.push_str(if line.is_empty() { "" } else { " " });
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }
 
 /// The picture that a calibration was made from, with the bench's grid, where each marker is said to lie and where the others place it.

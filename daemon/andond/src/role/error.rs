@@ -82,6 +82,9 @@ pub enum RoleError {
         /// What the system said.
         source: io::Error,
     },
+    /// Recordings cannot be made.
+    #[error(transparent)]
+    Record(#[from] andon_record::role::RecordError),
     /// The method refuses its constants or the objects.
     #[error("the method cannot work with this configuration: {0}")]
     Method(String),
@@ -111,7 +114,11 @@ impl Failure for RoleError {
     }
 
     fn is_lasting(&self) -> bool {
-        matches!(self, Self::Cycle(error) if error.is_lasting())
+        match self {
+            Self::Cycle(error) => error.is_lasting(),
+            Self::Record(error) => error.is_lasting(),
+            _ => false,
+        }
     }
 
     fn ending(&self) -> Option<Ending> {
@@ -137,6 +144,7 @@ impl Failure for RoleError {
             Self::Journal(error) => ending_of_journal(error),
             Self::Plc(_) => (&code::PLC_PORT_TAKEN, OfCode, Fault),
             Self::Metrics { .. } => (&code::METRICS_PORT_TAKEN, OfCode, Fault),
+            Self::Record(error) => return error.ending(),
             Self::Method(_) => (&code::CONFIGURATION_REFUSED, OfCode, Configuration),
             Self::Perception(_) | Self::Start { .. } => (&code::ROLE_FAILED, OfCode, Fault),
         })

@@ -14,6 +14,7 @@ mod line;
 mod metrics;
 mod perceive;
 mod plc;
+mod record;
 mod sight;
 mod steward;
 mod tracks;
@@ -26,6 +27,8 @@ use andon_host::taken::Taken;
 use shm_schemas::RoleId;
 
 pub(crate) use jobs::{job_files, load as load_job, read as read_job};
+
+pub(crate) use record::{CONFIGURATION, hashes};
 
 pub use error::RoleError;
 
@@ -42,5 +45,6 @@ pub fn run(role: cli::Role, taken: &Taken) -> Code {
         cli::Role::Journal => run_with(config, RoleId::Journal, |node| journal::run(node, config)),
         cli::Role::Plc => run_with(config, RoleId::Plc, |node| plc::run(node, config)),
         cli::Role::Metrics => run_with(config, RoleId::Metrics, |node| metrics::run(node, config)),
+        cli::Role::Record => run_with(config, RoleId::Record, |node| record::run(node, config)),
     }
 }

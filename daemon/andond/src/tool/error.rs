@@ -17,6 +17,7 @@ use andon_learn::run::RunError;
 use andon_learn::teach::TeachError;
 use andon_perception::PerceptionError;
 use andon_perception::bench::CalibrationError;
+use andon_record::picture::PictureError;
 use andon_study::analysis::AnalysisError;
 use andon_study::experiment::ExperimentError;
 use andon_study::folder::{FolderError, PatternError};
@@ -26,6 +27,7 @@ use super::check::Unusable;
 use super::markers::LayoutError;
 use super::teach::SourceError;
 use crate::backup::ArchiveError;
+use crate::blackbox::BlackboxError;
 use crate::compatibility::Misfit;
 use crate::picture::AnnotateError;
 use crate::recorder::Unwritten;
@@ -94,6 +96,9 @@ pub enum ToolError {
         /// Their files.
         files: Vec<String>,
     },
+    /// A recording that brings no job along was to be judged without one.
+    #[error("{}: name the job with --job; only a recording of the role `record` (.mcap) brings its own along", .0.display())]
+    NoJobNamed(PathBuf),
     /// A track file was to be annotated.
     #[error("--annotate needs a film: a track file has no pictures")]
     NothingToAnnotate,
@@ -198,11 +203,53 @@ pub enum ToolError {
     /// A track file was to be looked at.
     #[error("{}: a track file has no pictures; give a film, a folder of pictures or a picture", .0.display())]
     NothingToShow(PathBuf),
+    /// The journal does not keep what a person has done.
+    #[error("the journal has not taken it within 5 s: see `andond status`")]
+    Unkept,
+    /// The journal has no such row.
+    #[error(
+        "{0}: the journal has no verdict of this number, or not any more; `andond history` shows the numbers"
+    )]
+    NoRow(u64),
+    /// Of a verdict nothing was recorded.
+    #[error(
+        "{row}: nothing was recorded of this verdict, or it was removed: {} has no recording of it; record.mode and record.on say what is \
+         recorded",
+        folder.display()
+    )]
+    NotRecorded {
+        /// The row of the verdict.
+        row: u64,
+        /// The folder of the recordings.
+        folder: PathBuf,
+    },
+    /// A recording cannot be removed.
+    #[error("{}: it cannot be removed: {source}; run this as the user of the station's units", path.display())]
+    Remove {
+        /// The recording.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// Nobody has confirmed a run that was recorded.
+    #[error(
+        "no run to learn from: no verdict with a recording was confirmed to be right; `andond history` shows which have one, and \
+         `andond confirm ID right` confirms it"
+    )]
+    NothingConfirmed,
+    /// Nothing was recorded in this time.
+    #[error("{}: there is no recording of this time; record.mode says what is recorded", .0.display())]
+    NoRecordings(PathBuf),
     /// No picture came.
     #[error(
         "{0}: no picture comes; see `andond check` for a camera, and `andond status` for a running station"
     )]
     NothingSeen(String),
+    /// What may not be seen cannot be hidden, so that nothing is shown.
+    #[error(
+        "the picture is not shown, because what may not be seen in it cannot be hidden: {0}; see record.bench and record.masks"
+    )]
+    Unhidden(#[from] PictureError),
     /// The page cannot be served.
     #[error("{address}: the page cannot be shown there: {source}; name another port with --page PORT")]
     Page {
@@ -309,6 +356,7 @@ impl ToolError {
             | Self::Demo { .. }
             | Self::NotUp(_)
             | Self::NoAnswer
+            | Self::Unkept
             | Self::NoFrames
             | Self::PartRefused(_) => Code::Fault,
             Self::Unusable(unusable) => unusable.code(),
@@ -326,6 +374,12 @@ impl ToolError {
             | Self::SeveralJobs { .. }
             | Self::UnknownCode(_)
             | Self::Archive(_)
+            | Self::NoJobNamed(_)
+            | Self::NoRow(_)
+            | Self::NotRecorded { .. }
+            | Self::Remove { .. }
+            | Self::NothingConfirmed
+            | Self::NoRecordings(_)
             | Self::NothingToAnnotate
             | Self::Read { .. }
             | Self::Write { .. }
@@ -344,6 +398,7 @@ impl ToolError {
             | Self::Sheets(_)
             | Self::NothingToShow(_)
             | Self::Page { .. }
+            | Self::Unhidden(_)
             | Self::Marker { .. }
             | Self::NoPicture(_)
             | Self::Picture { .. }
@@ -356,6 +411,12 @@ impl ToolError {
 impl From<Unwritten> for ToolError {
     fn from(Unwritten { path, source }: Unwritten) -> Self {
         Self::Write { path, source }
+    }
+}
+
+impl From<BlackboxError> for ToolError {
+    fn from(error: BlackboxError) -> Self {
+        Self::Recording(error.into())
     }
 }
 

@@ -1,15 +1,19 @@
 //! The commands that a person runs, one file per command.
 
 pub mod analyze;
+mod audit;
 pub mod backup;
 pub mod calibrate;
 pub mod check;
+pub mod clip;
 mod clock;
 pub mod config;
+pub mod confirm;
 pub mod demo;
 mod error;
 pub mod experiment;
 pub mod explain;
+pub mod forget;
 pub mod history;
 pub mod idle;
 mod job;
@@ -28,6 +32,7 @@ pub mod replay;
 pub mod restore;
 mod runs;
 pub mod segment;
+mod since;
 pub mod status;
 mod stills;
 pub mod tail;
@@ -35,6 +40,7 @@ pub mod teach;
 mod tell;
 pub mod tracks;
 pub mod use_job;
+pub mod whatif;
 
 use std::fs::File;
 use std::io;
@@ -106,9 +112,10 @@ fn load_config(arguments: &ConfigArgs) -> Result<Config, ToolError> {
 /// # Errors
 /// Every fault in it.
 fn load_config_for(arguments: &ConfigArgs, recordings: &[PathBuf]) -> Result<Config, ToolError> {
-    let are_tracks = !recordings.is_empty() && recordings.iter().all(|path| Recording::is_tracks(path));
+    let know_theirs =
+        !recordings.is_empty() && recordings.iter().all(|path| Recording::knows_its_station(path));
     match arguments.existing() {
-        Err(NoConfiguration) if are_tracks => Ok(Config::default()),
+        Err(NoConfiguration) if know_theirs => Ok(Config::default()),
         files => Ok(Config::load_to_learn(&files?)?),
     }
 }

@@ -22,7 +22,7 @@ pub(super) fn common_space(recordings: &[PathBuf], config: &Config) -> Result<Sp
     let mut space = None;
     for path in recordings {
         // A film is not opened for this: it has no depth.
-        let own = match Recording::is_tracks(path) {
+        let own = match Recording::knows_its_station(path) {
             true => Recording::open(path, config)?.header().space,
             false => Space::Plane,
         };
@@ -66,7 +66,7 @@ pub(super) fn read_runs(
 }
 
 fn read_run(path: &Path, config: &Config, method: &Method) -> Result<Run, ToolError> {
-    let mut recording = Recording::open(path, config)?;
+    let mut recording = Recording::open_run(path, config)?;
     let mut frames = Vec::new();
     each_frame(&mut recording, path, |frame| {
         frames.push(frame);

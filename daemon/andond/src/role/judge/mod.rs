@@ -87,7 +87,7 @@ impl Ports {
         answer: Result<(), Refusal>,
         cycle: &mut Cycle<'_>,
     ) -> Result<(), RoleError> {
-        self.state.answer(number, answer);
+        self.state.answer(number, answer, cycle.stamp().id());
         match (command, answer) {
             (Command::LoadJob { job_id, source, .. }, Err(refusal)) => {
                 let what = format!("job {job_id} refused: {}", refusal.name());
@@ -184,6 +184,7 @@ impl Session<'_, '_> {
 
     fn judge_next(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
         let Some(couples) = cycle.take(&mut self.ports.couples)? else { return Ok(Turn::Idle) };
+        self.ports.state.took(couples.stamp.id());
         let Some(watched) = &mut self.watched else { return Ok(Turn::Idle) };
         if cycle.is_at_end() {
             watched.finish(self.ports, cycle)?;

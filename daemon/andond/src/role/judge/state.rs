@@ -83,9 +83,17 @@ impl State {
         number == 0 || number != self.now.command
     }
 
-    /// The answer to a command.
-    pub(super) fn answer(&mut self, number: u64, answer: Result<(), Refusal>) {
+    /// The answer to a command, which was obeyed after these couples.
+    pub(super) fn answer(&mut self, number: u64, answer: Result<(), Refusal>, after: MessageId) {
         (self.now.command, self.now.refusal) = (number, answer.err().unwrap_or(Refusal::None).code());
+        (self.now.obeyed_epoch, self.now.obeyed_seq) = (after.epoch, after.seq);
+    }
+
+    /// Couples were taken: the first are remembered.
+    pub(super) fn took(&mut self, couples: MessageId) {
+        if self.now.first_seq == 0 {
+            (self.now.first_epoch, self.now.first_seq) = (couples.epoch, couples.seq);
+        }
     }
 
     /// An answer may have been lost: it is sent again.

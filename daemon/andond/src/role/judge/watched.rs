@@ -1,8 +1,7 @@
 //! The job that is watched, and what the judge says of it.
 
-use andon_core::anomaly::{self, Event};
+use andon_core::anomaly::{Event, Unusable};
 use andon_core::couple::Couples;
-use andon_core::dtw::OnlineDtw;
 use andon_core::job::Job;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use andon_host::log::{code, log};
@@ -14,20 +13,15 @@ use shm_schemas::{Couples as Message, JudgePhase, PartId};
 use super::super::RoleError;
 use super::Ports;
 use crate::report::{Names, verdict_sentence};
+use crate::watch::Watch;
 use crate::wire;
 use crate::wire::verdict::{Sender, station_name};
 
-/// A judge with as much memory as its job needs.
-type Judge<'j> = anomaly::Judge<'j, Vec<OnlineDtw<'j>>>;
-
 pub(super) struct Watched<'j> {
-    job: &'j Job<'j>,
     file: &'j JobFile,
     sender: Sender,
     names: Names,
-    judge: Judge<'j>,
-    /// The time of the newest couples.
-    newest_ns: u64,
+    watch: Watch<'j>,
     /// What the judge has said and nobody has heard yet.
     events: Vec<Event>,
 }
@@ -47,14 +41,13 @@ impl<'j> Watched<'j> {
             part: PartId::NONE,
         };
         let names = Names::of_job(file);
-        let judge = judge(job, file)?;
-        let judge = if is_between_jobs { judge.between_jobs() } else { judge };
-        Ok(Self { job, file, sender, names, judge, newest_ns: 0, events: Vec::new() })
+        let watch = Watch::new(job, file, is_between_jobs).map_err(unusable)?;
+        Ok(Self { file, sender, names, watch, events: Vec::new() })
     }
 
     /// Whether it is known that no piece is under work.
     pub(super) fn is_between_jobs(&self) -> bool {
-        self.judge.is_between_jobs()
+        self.watch.is_between_jobs()
     }
 
     /// Whether the couples are made for this job.
@@ -70,16 +63,16 @@ impl<'j> Watched<'j> {
         cycle: &mut Cycle<'_>,
     ) -> Result<(), RoleError> {
         // Their time never goes back, except where the source has started again.
-        if couples.captured_ns < std::mem::replace(&mut self.newest_ns, couples.captured_ns) {
+        if self.watch.begins_again(couples) {
             self.break_off(ports, cycle)?;
         }
-        self.judge.step(couples, &mut |event| self.events.push(event));
+        self.watch.step(couples, &mut |event| self.events.push(event));
         self.publish(ports, cycle)
     }
 
     /// Starts a job on command.
     pub(super) fn start(&mut self, ports: &mut Ports, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
-        self.judge.start(&mut |event| self.events.push(event));
+        self.watch.start(&mut |event| self.events.push(event));
         self.publish(ports, cycle)?;
         ports.state.phase(JudgePhase::Running);
         Ok(())
@@ -87,18 +80,17 @@ impl<'j> Watched<'j> {
 
     /// Ends the job; what comes next belongs to a new one.
     pub(super) fn finish(&mut self, ports: &mut Ports, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
-        self.judge.finish(&mut |event| self.events.push(event));
+        self.watch.finish(&mut |event| self.events.push(event)).map_err(unusable)?;
         self.begin_again(ports, cycle)
     }
 
     /// Ends the job where its couples break off, or are not watched any more.
     pub(super) fn break_off(&mut self, ports: &mut Ports, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
-        self.judge.break_off(&mut |event| self.events.push(event));
+        self.watch.break_off(&mut |event| self.events.push(event)).map_err(unusable)?;
         self.begin_again(ports, cycle)
     }
 
     fn begin_again(&mut self, ports: &mut Ports, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
-        self.judge = judge(self.job, self.file)?;
         self.publish(ports, cycle)?;
         ports.state.phase(JudgePhase::Waiting);
         Ok(())
@@ -129,8 +121,8 @@ impl<'j> Watched<'j> {
     }
 }
 
-fn judge<'j>(job: &'j Job<'j>, file: &JobFile) -> Result<Judge<'j>, RoleError> {
-    Judge::with_memory(job, file.method).map_err(|error| RoleError::Method(format!("{error:?}")))
+fn unusable(error: Unusable) -> RoleError {
+    RoleError::Method(format!("{error:?}"))
 }
 
 /// What a technician reads: jobs and anomalies, each IU only on request.

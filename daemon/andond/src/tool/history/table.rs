@@ -27,15 +27,21 @@ impl<'a> Table<'a> {
         format!("{:19}  hand   outcome     what, and why ({})\n", "decided", self.clock.zone())
     }
 
-    pub(super) fn write(&mut self, entry: &Entry, out: &mut impl Write) -> io::Result<()> {
+    /// `clip` is the number of a verdict that was recorded, by which `andond clip` finds it.
+    pub(super) fn write(&mut self, entry: &Entry, clip: Option<u64>, out: &mut impl Write) -> io::Result<()> {
         match entry {
-            Entry::Verdict(message) => self.write_verdict(message, out),
+            Entry::Verdict(message) => self.write_verdict(message, clip, out),
             Entry::Gap(gap) => self.write_gap(gap, out),
             Entry::NotWatching(blind) => self.write_not_watching(blind, out),
         }
     }
 
-    fn write_verdict(&mut self, message: &Message, out: &mut impl Write) -> io::Result<()> {
+    fn write_verdict(
+        &mut self,
+        message: &Message,
+        clip: Option<u64>,
+        out: &mut impl Write,
+    ) -> io::Result<()> {
         let when = self.clock.date_time(message.decided_utc_ns);
         let Some(verdict) = wire::verdict::read(message) else {
             return writeln!(
@@ -47,7 +53,8 @@ impl<'a> Table<'a> {
         let mut line = self.teller.tell(&when, &verdict, self.known.names(message.model_hash));
         let job = (verdict.level == Level::Job).then(|| self.known.name(message.job_id, message.model_hash));
         let part = (!message.part.is_none()).then(|| format!("part {}", message.part.text()));
-        let of: Vec<String> = job.into_iter().chain(part).collect();
+        let clip = clip.map(|row| format!("clip {row}"));
+        let of: Vec<String> = job.into_iter().chain(part).chain(clip).collect();
         if !of.is_empty() {
             line.text += &format!("  [{}]", of.join(", "));
         }

@@ -6,6 +6,7 @@ mod page;
 mod source;
 mod terminal;
 
+use std::borrow::Cow;
 use std::io::{IsTerminal as _, stdout};
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::Path;
@@ -16,6 +17,7 @@ use andon_host::video::pipe::PictureFormat;
 
 use super::{ToolError, stills};
 use crate::cli::Look;
+use crate::picture::Veil;
 use findings::sentences;
 use inspector::{Inspection, Inspector};
 use page::Page;
@@ -67,7 +69,10 @@ fn look_once(arguments: &Look, config: &Config) -> Result<Code, ToolError> {
         }
     }
     let format = source.format();
-    let Some(best) = best else { return Err(ToolError::NothingSeen(source.name())) };
+    let Some(mut best) = best else { return Err(ToolError::NothingSeen(source.name())) };
+    if let Some(mut veil) = veil(arguments, config) {
+        veil.hide(format, &mut best.picture)?;
+    }
     let annotated = inspector.annotated(format, &best.picture, &best.inspection)?;
     if let Some(path) = &arguments.save {
         stills::write(path, format, &best.picture)?;
@@ -83,6 +88,11 @@ fn look_once(arguments: &Look, config: &Config) -> Result<Code, ToolError> {
         println!("{}", path.display());
     }
     Ok(Code::Stopped)
+}
+
+/// What hides in pictures of the station's camera what may not be seen. A film that somebody names is theirs.
+fn veil(arguments: &Look, config: &Config) -> Option<Veil> {
+    if arguments.source.is_some() { None } else { Veil::new(&config.record) }
 }
 
 /// The sentences below one another, with what to improve marked.
@@ -102,12 +112,13 @@ fn report(name: &str, format: PictureFormat, inspections: &[Inspection], config:
 /// Shows the source in a page until it is interrupted; a recording begins again at its end.
 fn show_page(arguments: &Look, config: &Config, port: u16) -> Result<Code, ToolError> {
     let address = SocketAddr::from((Ipv4Addr::LOCALHOST, port));
+    let mut veil = veil(arguments, config);
     let page = Page::serve(address).map_err(|source| ToolError::Page { address, source })?;
     println!("http://{}/ shows it on this machine; stop with Ctrl-C", page.address());
     loop {
         let mut source = Source::open(arguments.source.as_deref(), config)?;
         let mut inspector = Inspector::new(config, source.sees_hands())?;
-        show_source(&mut source, &mut inspector, &page, config)?;
+        show_source(&mut source, &mut inspector, veil.as_mut(), &page, config)?;
         if source.is_live() {
             return Ok(Code::Stopped);
         }
@@ -117,6 +128,7 @@ fn show_page(arguments: &Look, config: &Config, port: u16) -> Result<Code, ToolE
 fn show_source(
     source: &mut Source,
     inspector: &mut Inspector,
+    mut veil: Option<&mut Veil>,
     page: &Page,
     config: &Config,
 ) -> Result<(), ToolError> {
@@ -131,7 +143,11 @@ fn show_source(
         }
         next_ns = view.at_ns + (1e9 / PAGE_HZ) as u64;
         let inspection = inspector.inspect(&view)?;
-        let annotated = inspector.annotated(format, view.picture, &inspection)?;
+        let mut picture = Cow::Borrowed(view.picture);
+        if let Some(veil) = &mut veil {
+            veil.hide(format, picture.to_mut())?;
+        }
+        let annotated = inspector.annotated(format, &picture, &inspection)?;
         if inspections.len() == PAGE_PICTURES {
             inspections.remove(0);
         }

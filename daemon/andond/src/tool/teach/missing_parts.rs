@@ -18,7 +18,7 @@ pub(super) fn of(runs: &[Run]) -> Vec<(u16, String)> {
 /// Which they are, and what to do. `recordings` has at least one.
 pub(super) fn words(parts: &[(u16, String)], recordings: &[PathBuf]) -> String {
     let named: Vec<String> = parts.iter().map(|(id, name)| format!("marker {id} ({name})")).collect();
-    let film = recordings.iter().map(PathBuf::as_path).find(|path| !Recording::is_tracks(path));
+    let film = recordings.iter().map(PathBuf::as_path).find(|path| !Recording::knows_its_station(path));
     let look =
         film.map(Path::display).map(|film| format!(" `andond look {film}` says which markers it shows"));
     format!(

@@ -2,6 +2,7 @@
 //! or one after the other (`--add`, `--without`).
 
 mod bench;
+mod history;
 mod live;
 mod missing_parts;
 mod next;
@@ -26,12 +27,13 @@ use andon_study::analysis::draw_order;
 
 use super::runs::{common_space, read_runs};
 use super::{
-    ToolError, cannot_write, check_writable, job, load_config_for, load_config_to_learn, working,
-    write_together,
+    ToolError, cannot_write, check_writable, job, load_config_for, load_config_to_learn, running_config,
+    working, write_together,
 };
 use crate::cli::{self, Teach};
 use crate::compatibility::Misfit;
 use crate::role;
+use history::Confirmed;
 use sources::Wanted;
 
 /// Share of correct executions that may be accused under the rule `conformal`.
@@ -48,7 +50,9 @@ pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
         let expected = "a name has a letter, and stands on one line";
         return Err(ToolError::Option { option: "--name", given: name.clone(), expected });
     }
-    let is_changed = !(arguments.add.is_empty() && arguments.without.is_empty());
+    // With runs of its history a job that is there is taught again.
+    let is_taught_again = arguments.from_history && arguments.recordings.is_empty() && arguments.out.exists();
+    let is_changed = !(arguments.add.is_empty() && arguments.without.is_empty()) || is_taught_again;
     let before = is_changed.then(|| job::load(&arguments.out)).transpose()?;
     make_folder(&arguments.out)?;
     for file in
@@ -59,7 +63,16 @@ pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
         }
         check_writable(file)?;
     }
-    let mut recordings = recordings(arguments, before.as_ref())?;
+    let confirmed = match arguments.from_history {
+        true => history::of(&running_config(&arguments.config)?.config, &arguments.out, before.as_ref())?,
+        false => Confirmed::default(),
+    };
+    let mut recordings = recordings(arguments, before.as_ref(), &confirmed.withdrawn)?;
+    for run in confirmed.runs {
+        if !recordings.iter().any(|known| known.file_name() == run.file_name()) {
+            recordings.push(run);
+        }
+    }
     let config = match arguments.live {
         true => load_config_to_learn(&arguments.config)?,
         false => load_config_for(&arguments.config, &recordings)?,
@@ -149,8 +162,13 @@ fn write(arguments: &Teach, job: &JobFile, report: &TeachReport) -> Result<Strin
 }
 
 /// What to teach from: what was given, or what an existing job was taught from, with the changes that are asked for.
-fn recordings(arguments: &Teach, before: Option<&JobFile>) -> Result<Vec<PathBuf>, ToolError> {
-    let Teach { out, recordings, add, without, .. } = arguments;
+fn recordings(
+    arguments: &Teach,
+    before: Option<&JobFile>,
+    withdrawn: &[String],
+) -> Result<Vec<PathBuf>, ToolError> {
+    let Teach { out, recordings, add, .. } = arguments;
+    let without = &[arguments.without.as_slice(), withdrawn].concat();
     Ok(match before {
         Some(job) => Wanted { path: out, job, recordings, add, without }.find()?,
         None => recordings.clone(),

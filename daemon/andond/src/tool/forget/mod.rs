@@ -1,0 +1,98 @@
+//! `andond forget`: removes recordings before their time. The journal keeps who has done it, and of what.
+
+mod part;
+
+use std::path::{Path, PathBuf};
+
+use andon_host::config::Config;
+use andon_host::exit::Code;
+use andon_record::store::{self, Recording, Removed};
+use jiff::Timestamp;
+use shm_schemas::AuditKind;
+
+use super::clip::recordings;
+use super::part::part_id;
+use super::since::since_ns;
+use super::{ToolError, audit, running_config};
+use crate::cli::Forget;
+
+/// Runs the command. What is being written stays: its recorder would go on writing into a file that nobody sees any more.
+///
+/// # Errors
+/// What cannot be removed, and a journal that does not answer.
+pub fn run(arguments: &Forget) -> Result<Code, ToolError> {
+    let config = running_config(&arguments.config)?.config;
+    let meant = Meant::of(arguments)?;
+    let found = meant.among(recordings(&config)?);
+    if found.is_empty() {
+        println!("no recording is {}", meant.words());
+    }
+    let written = remove_all(&config, &found, &meant)?;
+    for path in &written {
+        println!(
+            "NOT removed: {} is being written; run this again when it is complete, at the latest after the role `record` was stopped or restarted",
+            path.display()
+        );
+    }
+    Ok(if written.is_empty() { Code::Stopped } else { Code::Declined })
+}
+
+/// First it is said, then it is done: nothing goes of which nobody knows. Returns those that a recorder writes, which stay.
+fn remove_all(config: &Config, found: &[Recording], meant: &Meant) -> Result<Vec<PathBuf>, ToolError> {
+    if !found.is_empty() {
+        let what = format!("{} recordings to be removed: {}", found.len(), meant.words());
+        audit::keep(config, AuditKind::Recording, &what)?;
+    }
+    let failed = |path: &Path| {
+        let path = path.to_path_buf();
+        move |source| ToolError::Remove { path, source }
+    };
+    let mut written = Vec::new();
+    for Recording { path, .. } in found {
+        match store::remove(path).map_err(failed(path))? {
+            Removed::Gone => println!("removed: {}", path.display()),
+            Removed::InUse => written.push(path.clone()),
+        }
+    }
+    // A folder that is not there has none.
+    for path in store::orphans(&config.recordings()).unwrap_or_default() {
+        store::remove_file(&path).map_err(failed(&path))?;
+        println!("removed, it belonged to no recording: {}", path.display());
+    }
+    Ok(written)
+}
+
+/// Which recordings are meant.
+enum Meant {
+    /// Those that ended before this time, nanoseconds since 1970 UTC.
+    Before(u64, String),
+    /// Those that show work on this part.
+    Part(String),
+}
+
+impl Meant {
+    fn of(arguments: &Forget) -> Result<Self, ToolError> {
+        if let Some(part) = &arguments.part {
+            return Ok(Self::Part(part_id("--part", part)?.text().to_owned()));
+        }
+        // One of the two is given.
+        let before = arguments.before.clone().unwrap_or_default();
+        Ok(Self::Before(since_ns("--before", &before, Timestamp::now())?, before))
+    }
+
+    fn among(&self, recordings: Vec<Recording>) -> Vec<Recording> {
+        match self {
+            Self::Before(utc_ns, _) => {
+                recordings.into_iter().filter(|recording| recording.index.ended_utc_ns < *utc_ns).collect()
+            }
+            Self::Part(part) => part::showing(recordings, part),
+        }
+    }
+
+    fn words(&self) -> String {
+        match self {
+            Self::Before(_, before) => format!("from before {before}"),
+            Self::Part(part) => format!("of part {part:?}"),
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! A recording of the role `record`, judged as it was: by the jobs that were in force, with the commands where they came.
+
+use std::path::Path;
+
+use andon_core::couple::Couple;
+use andon_core::verdict::Verdict;
+use andon_host::video::pipe::PictureFormat;
+use andon_ipc::UtcTime;
+use andon_record::End;
+use shm_schemas::{PartId, Verdict as Message};
+
+use super::agreement::Agreement;
+use super::printer::Printer;
+use super::{ToolError, progress};
+use crate::blackbox::again::{Outcome, Recorded, Step, judge};
+use crate::blackbox::{Plan, first_picture};
+use crate::cli::Replay;
+use crate::picture::Annotator;
+use crate::recording::{RecordingError, View};
+use crate::report::{Names, on_recording, verdict_sentence};
+use crate::role::hashes;
+use crate::wire;
+use crate::wire::verdict::{Sender, station_name};
+
+/// Runs the command; the exit code is the verdict.
+///
+/// # Errors
+/// What is missing or damaged.
+pub(super) fn run(arguments: &Replay) -> Result<u8, ToolError> {
+    let path = arguments.recording.as_path();
+    let plan = Plan::read(path).map_err(RecordingError::from)?;
+    let mut printer = Printer::new(arguments.json);
+    let mut judged = Vec::new();
+    let mut drawing = Drawing::new(path, arguments.annotate.as_deref(), &plan)?;
+    let bar = progress(None, path);
+    let mut names = (0, Names::default());
+    let paths = [path.to_path_buf()];
+    let wants_pictures = arguments.annotate.is_some();
+    let recorded = Recorded { paths: &paths, plan: &plan, instead: None, wants_pictures };
+    let outcome = judge(recorded, &mut |step: Step<'_>| -> Result<(), ToolError> {
+        let hash = step.job.model_hash();
+        if names.0 != hash {
+            names = (hash, Names::of_job(step.job));
+        }
+        if !step.verdicts.is_empty() {
+            bar.suspend(|| {
+                step.verdicts.iter().try_for_each(|verdict| printer.print(verdict, step.job, &names.1))
+            })
+            .map_err(ToolError::Print)?;
+            judged.extend_from_slice(step.verdicts);
+        }
+        drawing.draw(&step, &names.1)?;
+        bar.inc(1);
+        Ok(())
+    })?;
+    bar.finish_and_clear();
+    drawing.finish()?;
+    tell(path, &plan, &outcome, &judged, &names.1);
+    if printer.is_silent() {
+        eprintln!("nothing was judged: in {} no hand was seen to touch an object of the job", path.display());
+    }
+    Ok(printer.exit_code())
+}
+
+/// Says how the verdicts compare with those that were sent then.
+fn tell(path: &Path, plan: &Plan, outcome: &Outcome, judged: &[Verdict], names: &Names) {
+    let path = path.display();
+    let sent: Vec<Verdict> = plan.verdicts.iter().filter_map(wire::verdict::read).collect();
+    // As they would have been sent: what has no meaning at a level is not.
+    let judged: Vec<Verdict> = judged.iter().filter_map(as_sent).collect();
+    let judged = judged.as_slice();
+    let Agreement { equal, begin, end } = Agreement::of(&sent, judged);
+    eprintln!("as recorded: {equal} of {} verdicts are equal to the bit", sent.len());
+    if let Some(was) = sent.get(begin) {
+        let words = |verdict: &Verdict| {
+            format!("{} {}", on_recording(verdict.decided_ns), verdict_sentence(verdict, names))
+        };
+        let is = judged.get(begin).map_or("none".to_owned(), words);
+        eprintln!("the first that differs was\n{}\nand is\n{is}", words(was));
+        match sent.len().checked_sub(end).and_then(|from| sent.get(from)) {
+            Some(from) => eprintln!("all {end} verdicts from {} on are equal", on_recording(from.decided_ns)),
+            None => eprintln!("up to its end they do not become equal"),
+        }
+    }
+    if let End::Cut(why) = &plan.end {
+        eprintln!("{path} is cut: {why}; what came before it is whole");
+    }
+    if !plan.is_from_start {
+        eprintln!(
+            "{path} begins in the middle: what encoder and judge had seen before is not in it, and verdicts may differ"
+        );
+    }
+    let others = differences(&plan.station.hashes, &hashes(&plan.station.config));
+    if !others.is_empty() {
+        eprintln!(
+            "{path} was made with another {}: what was detected is judged as it is in it, and would not be detected again to the bit",
+            others.join(", another ")
+        );
+    }
+    if plan.lost > 0 {
+        eprintln!("{path}: {} messages did not reach the recorder, and verdicts may differ", plan.lost);
+    }
+    if outcome.couples_differ > 0 {
+        eprintln!(
+            "{path}: {} of {} couples differ from those that were sent",
+            outcome.couples_differ, outcome.couples
+        );
+    }
+    if judged.len() > equal && equal == sent.len() {
+        eprintln!(
+            "{path}: {} more verdicts than were sent: a judge that was killed has not sent its last",
+            judged.len() - equal
+        );
+    }
+}
+
+/// In what a recording was made with something else than there is here: the first word of each line that differs says what it is about. A recording
+/// that says nothing differs in nothing.
+fn differences(then: &str, now: &str) -> Vec<&'static str> {
+    let lines = |text: &str, word: &'static str| -> Vec<String> {
+        let is_of_word = |line: &&str| match word {
+            "model" => !line.starts_with("program ") && !line.starts_with("processor "),
+            word => line.starts_with(word),
+        };
+        text.lines().filter(is_of_word).map(str::to_owned).collect()
+    };
+    let differs = |word: &&'static str| !then.is_empty() && lines(then, word) != lines(now, word);
+    ["program", "model", "processor"].into_iter().filter(differs).collect()
+}
+
+/// A verdict as a reader of its channel has it.
+fn as_sent(verdict: &Verdict) -> Option<Verdict> {
+    let sender = Sender { job_id: 0, model_hash: 0, station: station_name(""), part: PartId::NONE };
+    let mut message = Message::default();
+    wire::verdict::write(verdict, &sender, UtcTime::default(), &mut message);
+    wire::verdict::read(&message)
+}
+
+/// The film with what was seen and judged drawn on it, where one is wanted.
+struct Drawing<'a> {
+    file: Option<&'a Path>,
+    format: PictureFormat,
+    blind_ms: u32,
+    annotator: Option<Annotator>,
+}
+
+impl<'a> Drawing<'a> {
+    fn new(path: &Path, file: Option<&'a Path>, plan: &Plan) -> Result<Self, ToolError> {
+        let method = &plan.station.config.method;
+        let format = match file {
+            None => PictureFormat { width: 0, height: 0, rate_hz: 0.0, count: 0 },
+            Some(_) => {
+                let first = first_picture(path).map_err(RecordingError::from)?;
+                PictureFormat {
+                    rate_hz: f64::from(method.rate_hz),
+                    ..first.ok_or(ToolError::NothingToAnnotate)?
+                }
+            }
+        };
+        Ok(Self { file, format, blind_ms: method.blind_ms, annotator: None })
+    }
+
+    /// Draws a frame, where it has a picture of the size that the film has.
+    fn draw(&mut self, step: &Step<'_>, names: &Names) -> Result<(), ToolError> {
+        let (Some(file), Some((format, picture, seen))) = (self.file, step.view) else { return Ok(()) };
+        if (format.width, format.height) != (self.format.width, self.format.height) {
+            return Ok(());
+        }
+        let annotator = match &mut self.annotator {
+            Some(annotator) => annotator,
+            none => none.insert(Annotator::create(file, self.format, names.clone(), self.blind_ms)?),
+        };
+        let couples: &[Couple] = step.couples.map_or(&[], |couples| &couples.hands);
+        Ok(annotator.draw(View { format: self.format, picture, seen }, couples, step.verdicts)?)
+    }
+
+    fn finish(self) -> Result<(), ToolError> {
+        self.annotator.map_or(Ok(()), |annotator| Ok(annotator.finish()?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_is_said_in_what_a_recording_was_made_with_something_else() {
+        let then = "program andond 0.1.0 of today\nprocessor x86_64 avx2\n12ab hands.onnx\n34cd runtime.so\n";
+        assert!(differences(then, then).is_empty() && differences("", then).is_empty());
+        for (now, expected) in [
+            (then.replace("today", "yesterday"), vec!["program"]),
+            (then.replace("12ab", "56ef"), vec!["model"]),
+            (then.replace("34cd runtime.so\n", ""), vec!["model"]),
+            (then.replace("avx2", "avx2 fma").replace("0.1.0", "0.2.0"), vec!["program", "processor"]),
+        ] {
+            assert_eq!(differences(then, &now), expected, "{now}");
+        }
+    }
+}
