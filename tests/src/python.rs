@@ -1,4 +1,4 @@
-//! A Python with pymodbus and with Prometheus's own library, for tests with clients that are not ours.
+//! A Python with pymodbus, with Prometheus's own library and with that of MCAP, for tests with clients that are not ours.
 #![allow(clippy::unwrap_used)]
 
 use crate::line::andond;
@@ -12,7 +12,7 @@ pub fn python() -> PathBuf {
     let python = venv.join("bin/python");
     let is_complete = || {
         Command::new(&python)
-            .args(["-c", "import pymodbus, prometheus_client"])
+            .args(["-c", "import pymodbus, prometheus_client, mcap_protobuf"])
             .output()
             .is_ok_and(|o| o.status.success())
     };
@@ -36,11 +36,13 @@ pub fn python() -> PathBuf {
         "--disable-pip-version-check",
         "pymodbus==3.16.1",
         "prometheus_client==0.26.0",
+        "mcap==1.6.0",
+        "mcap-protobuf-support==0.6.0",
     ];
     let pip = Command::new(&python).args(pip).output().unwrap();
     assert!(
         pip.status.success() && is_complete(),
-        "pip must reach a registry that has pymodbus and prometheus_client: {}",
+        "pip must reach a registry that has pymodbus, prometheus_client, mcap and mcap-protobuf-support: {}",
         all_output(&pip)
     );
     python

@@ -7,7 +7,7 @@ use std::process::Command;
 use serde_json::Value;
 
 /// Every crate of the workspace and the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 15] = [
+const MAY_USE: [(&str, &[&str]); 16] = [
     ("andon-core", &[]),
     ("andon-learn", &["andon-core"]),
     ("shm-schemas", &[]),
@@ -22,6 +22,7 @@ const MAY_USE: [(&str, &[&str]); 15] = [
         "andon-host",
         &["andon-core", "andon-ipc", "andon-learn", "andon-perception", "andon-plc", "shm-schemas"],
     ),
+    ("andon-record", &["andon-host", "andon-ipc", "andon-perception", "shm-schemas"]),
     ("andon-study", &["andon-core", "andon-learn"]),
     (
         "andond",
@@ -34,6 +35,7 @@ const MAY_USE: [(&str, &[&str]); 15] = [
             "andon-learn",
             "andon-perception",
             "andon-plc",
+            "andon-record",
             "andon-study",
             "shm-schemas",
         ],
@@ -50,6 +52,7 @@ const MAY_USE: [(&str, &[&str]); 15] = [
             "andon-plc",
             "andon-rate",
             "andon-realsense",
+            "andon-record",
             "andon-study",
             "shm-schemas",
         ],
@@ -57,9 +60,10 @@ const MAY_USE: [(&str, &[&str]); 15] = [
 ];
 
 /// Libraries that one crate alone may use, besides the tests: the rest of the program does not know them.
-const KNOWN_BY_ONE: [(&str, &[&str]); 5] = [
+const KNOWN_BY_ONE: [(&str, &[&str]); 6] = [
     ("hyper", &["andon-http"]),
     ("iceoryx2", &["andon-ipc"]),
+    ("mcap", &["andon-record"]),
     ("ort", &["andon-perception"]),
     ("rusqlite", &["andon-journal"]),
     ("tokio-modbus", &["andon-plc"]),

@@ -11,7 +11,7 @@ use shm_schemas::{
     ColourFormat, Couples, DepthFormat, Detections, FrameHeader, HandCouple, Health, Intrinsics, RoleId,
     RoleState, Verdict, VerdictLevel, VerdictOutcome,
 };
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// From one frame to the next.
@@ -246,6 +246,53 @@ fn a_journal_that_does_not_hear_the_judge_is_not_healthy_and_hears_it_again() {
     watcher.until("the journal", |watcher| watcher.is(RoleId::Journal, RoleState::Running));
     line.stop();
     assert_eq!(line.journal().verdicts().len(), 1);
+}
+
+/// Lets a station record everything into its own folder, which is returned.
+fn recording(line: &Line) -> PathBuf {
+    let path = line.path("recordings");
+    line.reconfigure("[journal]", &format!("[record]\nmode = \"always\"\npath = {path:?}\n\n[journal]"));
+    path
+}
+
+#[test]
+fn a_recording_that_was_cut_and_cannot_be_completed_is_said_and_stays() {
+    let mut line = Line::new(Settings::default());
+    let path = recording(&line).join("20260101T000000.000Z.mcap");
+    std::fs::create_dir(path.parent().unwrap()).unwrap();
+    std::fs::write(&path, "of another program, and long enough to be one").unwrap();
+    line.start("steward");
+    line.start("record");
+    line.wait_for_log("record", "AND-417", "this is no MCAP file");
+    assert!(path.exists());
+}
+
+#[test]
+fn an_anomaly_whose_picture_is_not_in_memory_any_more_is_recorded_without_it_and_that_is_reported() {
+    let mut line = Line::new(Settings::default());
+    recording(&line);
+    line.start("steward");
+    line.start("record");
+    line.wait_for_log("record", "AND-601", "");
+    let node = stand_in(&line, RoleId::Capture);
+    let mut capture = node.frame_writer().unwrap();
+    let mut judge = Sender::<Verdict>::new(&line, RoleId::Judge, &[]);
+    let until = Instant::now() + PATIENCE;
+    while !line.log("record").contains("AND-418") {
+        assert!(Instant::now() < until, "{}", line.log("record"));
+        let mut frame = capture.loan(640 * 480 * (3 + 2)).unwrap();
+        frame.bytes_mut().fill(0);
+        dark(frame.header_mut());
+        frame.header_mut().stamp.captured_ns = 2 * INTERVAL_NS;
+        capture.send(frame).unwrap();
+        judge.send(|verdict| {
+            verdict.level = VerdictLevel::Iu.code();
+            verdict.outcome = VerdictOutcome::Anomaly.code();
+            verdict.stamp.captured_ns = INTERVAL_NS;
+        });
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    line.wait_for_log("record", "AND-418", "Raise record.memory_mb");
 }
 
 #[test]

@@ -32,6 +32,8 @@ pub mod status {
 pub mod control {
     pub const ENABLE: u16 = 1;
     pub const LOAD_JOB: u16 = 2;
+    pub const START: u16 = 4;
+    pub const ABORT: u16 = 8;
     pub const RESET_ERROR: u16 = 32;
     pub const ACKNOWLEDGE: u16 = 16;
     pub const SET_PART: u16 = 64;

@@ -1,0 +1,298 @@
+//! The role `record`: what a line does can be looked at and judged again, with the same verdicts to the bit, whatever happened meanwhile.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use andon_record::{End, Item, ReadError, RecordingReader, Topic, store};
+use andon_tests::environment;
+use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, control};
+use andon_tests::simulator::Flaw;
+use rustix::process::Signal;
+use shm_schemas::{JudgePhase, RoleId, RoleState, VerdictOutcome};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+use std::time::{Duration, Instant};
+
+/// Lets a station record into its own folder.
+fn recording(line: &Line, mode: &str) {
+    let path = line.path("recordings");
+    let text = format!("[record]\nmode = \"{mode}\"\npath = {path:?}\n\n[journal]");
+    line.reconfigure("[journal]", &text);
+}
+
+/// Starts every role, the recorder first: what it receives is everything.
+fn up(line: &mut Line) -> Watcher {
+    line.start("steward");
+    let watcher = Watcher::join(&line.station);
+    line.start("record");
+    line.wait_for_log("record", "AND-601", "");
+    line.start_all_but(&["steward"]);
+    watcher
+}
+
+/// Stops every role along the data path, and the recorder before the steward.
+fn stop(line: &mut Line) {
+    let failures = line.stop_all_but_steward();
+    assert!(failures.is_empty(), "{failures:?}");
+    line.role("record").signal(Signal::TERM);
+    assert!(line.role("record").wait().success(), "{}", line.log("record"));
+    assert!(line.stop().is_empty());
+}
+
+fn recordings(line: &Line) -> Vec<PathBuf> {
+    let found = store::recordings(&line.path("recordings")).unwrap();
+    found.into_iter().map(|recording| recording.path).collect()
+}
+
+fn only_recording(line: &Line) -> PathBuf {
+    let found = recordings(line);
+    let [only] = found.as_slice() else { panic!("{found:?}\n{}", line.log("record")) };
+    only.clone()
+}
+
+fn said(output: &Output) -> String {
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+}
+
+/// How many verdicts of a recording were equal to those that were sent, and how many were sent, as `andond replay` says.
+fn equal(line: &Line, recording: &Path) -> (usize, usize, String) {
+    let output = line.command("replay", &[recording.to_str().unwrap()]);
+    assert!(output.status.code().is_some_and(|code| code < 3), "{}", said(&output));
+    let text = said(&output);
+    let figures =
+        text.lines().find_map(|row| row.strip_prefix("as recorded: ")).unwrap_or_else(|| panic!("{text}"));
+    let mut numbers = figures.split(' ').filter_map(|word| word.parse().ok());
+    (numbers.next().unwrap(), numbers.next().unwrap(), text)
+}
+
+fn all_are_equal(line: &Line, recording: &Path, at_least: usize) {
+    let (equal, sent, text) = equal(line, recording);
+    assert!(equal == sent && sent >= at_least, "{text}\n{}", line.log("record"));
+    assert!(!text.contains("differ"), "{text}");
+}
+
+#[test]
+fn a_line_that_is_recorded_is_judged_again_with_the_same_verdicts_to_the_bit() {
+    let settings = Settings { at_full_speed: false, flaw: Flaw::WrongOrder, ..Settings::default() };
+    let mut line = Line::new(settings);
+    recording(&line, "always");
+    let mut watcher = up(&mut line);
+    let sent = watcher.until_judged();
+    stop(&mut line);
+    let recording = only_recording(&line);
+    all_are_equal(&line, &recording, usize::try_from(sent).unwrap());
+    // Another job, or the same by its file, is a matter of what was detected alone.
+    let job = line.path("job.toml");
+    let output = line.command("replay", &["--job", job.to_str().unwrap(), recording.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+}
+
+#[test]
+fn commands_in_the_middle_of_a_job_come_at_the_same_place_again() {
+    let mut line = Line::with_second_job(Settings { writes: true, ..Settings::live() });
+    recording(&line, "always");
+    let mut watcher = up(&mut line);
+    let mut plc = Modbus::connect_when_up(line.port);
+    plc.enable();
+    watcher.until("a piece", |watcher| watcher.phase() == Some(JudgePhase::Running));
+    watcher.until("verdicts", |watcher| watcher.verdicts.len() >= 2);
+    // Abort, then start again, then nobody watches for a while, then another job.
+    plc.control(control::ENABLE | control::ABORT).unwrap();
+    watcher.until("the end of the piece", |watcher| watcher.phase() == Some(JudgePhase::Waiting));
+    plc.control(control::ENABLE).unwrap();
+    plc.control(control::ENABLE | control::START).unwrap();
+    watcher.until("a piece", |watcher| watcher.phase() == Some(JudgePhase::Running));
+    plc.control(control::ENABLE).unwrap();
+    let before = watcher.verdicts.len();
+    watcher.until("more verdicts", |watcher| watcher.verdicts.len() >= before + 2);
+    plc.control(0).unwrap();
+    watcher.until("nobody watches", |watcher| watcher.watches().is_some_and(|(_, watches)| !watches));
+    plc.enable();
+    let before = watcher.verdicts.len();
+    watcher.until("more verdicts", |watcher| watcher.verdicts.len() >= before + 2);
+    plc.control(control::ENABLE | control::ABORT).unwrap();
+    watcher.until("the end of the piece", |watcher| watcher.phase() == Some(JudgePhase::Waiting));
+    plc.control(control::ENABLE).unwrap();
+    assert_eq!(plc.load_job(2), None);
+    let before = watcher.verdicts.len();
+    watcher.until("verdicts of the other job", |watcher| watcher.verdicts.len() >= before + 3);
+    stop(&mut line);
+    all_are_equal(&line, &only_recording(&line), 9);
+}
+
+#[test]
+fn after_kills_of_roles_it_is_still_judged_again_with_the_same_verdicts() {
+    let mut line = Line::new(Settings::live());
+    recording(&line, "always");
+    let mut watcher = up(&mut line);
+    for role in ["judge", "encode", "perceive", "judge"] {
+        let before = watcher.verdicts.len();
+        watcher.until("verdicts", |watcher| watcher.verdicts.len() >= before + 2);
+        line.role(role).kill();
+        line.start(role);
+        let pid = line.role(role).pid();
+        let id = andon_tests::line::role_id(role);
+        watcher.until(role, |watcher| watcher.runs(id, pid));
+    }
+    let before = watcher.verdicts.len();
+    watcher.until("verdicts", |watcher| watcher.verdicts.len() >= before + 3);
+    stop(&mut line);
+    let (equal, sent, text) = equal(&line, &only_recording(&line));
+    assert!(equal == sent && sent >= 11, "{text}");
+}
+
+#[test]
+fn kills_between_commands_are_judged_again_with_the_same_verdicts() {
+    let mut line = Line::with_second_job(Settings { writes: true, ..Settings::live() });
+    recording(&line, "always");
+    let mut watcher = up(&mut line);
+    let mut plc = Modbus::connect_when_up(line.port);
+    for (round, role) in ["judge", "encode", "judge", "perceive"].into_iter().enumerate() {
+        plc.enable();
+        watcher.until("a piece", |watcher| watcher.phase() == Some(JudgePhase::Running));
+        let before = watcher.verdicts.len();
+        watcher.until("verdicts", |watcher| watcher.verdicts.len() >= before + 2);
+        if round == 1 {
+            plc.control(control::ENABLE | control::ABORT).unwrap();
+            watcher.until("the end of the piece", |watcher| watcher.phase() == Some(JudgePhase::Waiting));
+            plc.enable();
+            assert_eq!(plc.load_job(2), None);
+        }
+        line.role(role).kill();
+        line.start(role);
+        let (pid, id) = (line.role(role).pid(), andon_tests::line::role_id(role));
+        watcher.until(role, |watcher| watcher.runs(id, pid));
+        // What the PLC wants still holds: it need not write it again. Then it wants something else.
+        plc.control(control::ENABLE | control::RESET_ERROR).unwrap();
+        plc.enable();
+        let before = watcher.verdicts.len();
+        watcher.until("verdicts after it", |watcher| watcher.verdicts.len() >= before + 2);
+        plc.control(0).unwrap();
+        watcher.until("nobody watches", |watcher| watcher.watches().is_some_and(|(_, watches)| !watches));
+    }
+    stop(&mut line);
+    let (equal, sent, text) = equal(&line, &only_recording(&line));
+    assert!(equal == sent && sent >= 16, "{text}");
+}
+
+/// How often the recorder is killed; `ANDON_KILLS=1000` is the long form.
+const KILLS: u64 = 5;
+
+#[test]
+fn a_recorder_that_is_killed_at_any_moment_leaves_files_that_are_completed_and_the_line_loses_nothing() {
+    let mut line = Line::new(Settings::live());
+    recording(&line, "always");
+    let mut watcher = up(&mut line);
+    let mut draw = oorandom::Rand64::new(environment::seed().into());
+    let kills = environment::number("ANDON_KILLS", KILLS);
+    let mut journalled = Vec::new();
+    for _ in 0..kills {
+        let until = Instant::now() + Duration::from_millis(draw.rand_range(0..4000));
+        while Instant::now() < until {
+            watcher.listen(Duration::from_millis(20));
+        }
+        line.role("record").kill();
+        line.start("record");
+        let pid = line.role("record").pid();
+        watcher.until("the recorder", |watcher| watcher.runs(RoleId::Record, pid));
+        journalled.extend(watcher.verdict_keys());
+        watcher.forget_all_but_newest();
+    }
+    let before = watcher.verdicts.len();
+    watcher.until("verdicts", |watcher| watcher.verdicts.len() >= before + 2);
+    journalled.extend(watcher.verdict_keys());
+    journalled.sort_unstable();
+    journalled.dedup();
+    stop(&mut line);
+    let missing = line.journal().unexplained(&journalled);
+    assert!(missing.is_empty(), "{missing:?}");
+    let found = recordings(&line);
+    // One that was killed before its first second had nothing that is whole.
+    let mut detections = 0;
+    for recording in &found {
+        let mut reader = match RecordingReader::open(recording) {
+            Ok(reader) => reader,
+            Err(ReadError::Empty { .. } | ReadError::Cut { .. }) => continue,
+            Err(error) => panic!("{error}"),
+        };
+        while let Some(item) = reader.next_item().unwrap() {
+            let of_detections = Topic::of_name("/raw/detections").unwrap();
+            detections += usize::from(matches!(item, Item::Entry(entry) if entry.topic == of_detections));
+        }
+        assert_eq!(reader.end(), End::Complete, "{}", recording.display());
+    }
+    assert!(detections > 0 && !found.is_empty());
+}
+
+/// Every file under a folder.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    entries.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
+}
+
+#[test]
+fn with_record_off_no_picture_is_stored_and_the_role_is_healthy() {
+    let mut line = Line::with_film("speed = \"file\"", "", &["-i", "p1_order_r1.mp4"]);
+    recording(&line, "off");
+    let mut watcher = up(&mut line);
+    line.wait_for_log("record", "AND-416", "");
+    line.start("capture");
+    // With a recorder this is what a clip with a picture is made of.
+    watcher.until("a fault", |watcher| {
+        watcher.verdicts.iter().any(|verdict| verdict.outcome == VerdictOutcome::Anomaly.code())
+    });
+    assert!(watcher.is(RoleId::Record, RoleState::Running));
+    watcher.listen(Duration::from_secs(4));
+    let is_stored = |path: &PathBuf| {
+        let ending = path.extension().unwrap_or_default();
+        ["mcap", "jpg", "jpeg", "png"].iter().any(|kept| ending == *kept)
+    };
+    let stored: Vec<PathBuf> = files(&line.path("")).into_iter().filter(is_stored).collect();
+    assert!(stored.is_empty() && !line.path("recordings").exists(), "{stored:?}");
+}
+
+#[test]
+fn a_clip_is_made_of_an_anomaly_and_of_nothing_else() {
+    let settings = Settings { at_full_speed: false, flaw: Flaw::WrongOrder, ..Settings::default() };
+    let mut line = Line::new(settings);
+    recording(&line, "fault");
+    let mut watcher = up(&mut line);
+    watcher.until_judged();
+    line.wait_for_log("record", "AND-410", "");
+    stop(&mut line);
+    let found = store::recordings(&line.path("recordings")).unwrap();
+    let verdicts: Vec<_> = found.iter().flat_map(|recording| &recording.index.verdicts).collect();
+    assert!(verdicts.iter().any(|verdict| verdict.outcome == VerdictOutcome::Anomaly.code()));
+
+    let mut line = Line::new(Settings { at_full_speed: false, ..Settings::default() });
+    recording(&line, "fault");
+    let mut watcher = up(&mut line);
+    watcher.until_judged();
+    stop(&mut line);
+    assert!(recordings(&line).is_empty(), "{}", line.log("record"));
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_costs_recordings_and_no_verdicts_and_is_said() {
+    let mut line = Line::new(Settings::live());
+    recording(&line, "always");
+    std::fs::write(line.path("recordings"), "no folder").unwrap();
+    let mut watcher = up(&mut line);
+    line.wait_for_log("record", "AND-412", "");
+    watcher.until("the recorder's fault", |watcher| watcher.is(RoleId::Record, RoleState::Fault));
+    watcher.until("verdicts all the same", |watcher| watcher.verdicts.len() >= 2);
+    // As soon as it can be written, it is.
+    std::fs::remove_file(line.path("recordings")).unwrap();
+    let until = Instant::now() + PATIENCE;
+    while recordings(&line).is_empty() {
+        assert!(Instant::now() < until, "{}", line.log("record"));
+        watcher.listen(Duration::from_millis(100));
+    }
+    watcher.until("the recorder", |watcher| watcher.is(RoleId::Record, RoleState::Running));
+    stop(&mut line);
+    let mut text = String::new();
+    line.log("record")
+        .lines()
+        .filter(|row| row.contains("AND-412"))
+        .for_each(|row| writeln!(text, "{row}").unwrap());
+    assert_eq!(text.lines().count(), 1, "{text}");
+}
