@@ -199,7 +199,8 @@ fn work_that_is_recorded_in_several_files_is_one_for_whatif_and_each_says_what_i
     assert!(rows.len() >= 3 && rows.iter().all(|[was, is]| was == is), "{text}");
     assert!(rows[1] >= [1, 1] && !text.contains("->") && !text.contains("left out"), "{text}");
     fs::remove_file(&found[1].path).unwrap();
-    fs::write(line.path("recordings").join("20000101T000000.000Z.mcap"), "no recording at all").unwrap();
+    fs::write(line.path("recordings").join("00000000-20000101T000000.000Z.mcap"), "no recording at all")
+        .unwrap();
     let (text, rows) = whatif(&line, &job);
     assert!(rows.iter().all(|[was, is]| was == is) && !text.contains("->"), "{text}");
     assert!(text.contains("1 recordings were left out:") && text.contains("this is no MCAP file"), "{text}");
@@ -214,7 +215,7 @@ fn a_part_is_forgotten_in_every_file_that_shows_it_and_not_in_the_one_that_is_wr
     let (mut line, watcher) = in_several_files();
     let before = store::recordings(&line.path("recordings")).unwrap();
     let written = before.last().unwrap().path.clone();
-    let orphan = line.path("recordings").join("20000101T000000.000Z.json");
+    let orphan = line.path("recordings").join("00000000-20000101T000000.000Z.json");
     fs::write(&orphan, "{\"part\":\"SN-7\"}").unwrap();
     let far = "2199-01-01T00:00:00Z";
     let text = said(&line.command("forget", &["--before", far]), 1);

@@ -258,7 +258,7 @@ fn recording(line: &Line) -> PathBuf {
 #[test]
 fn a_recording_that_was_cut_and_cannot_be_completed_is_said_and_stays() {
     let mut line = Line::new(Settings::default());
-    let path = recording(&line).join("20260101T000000.000Z.mcap");
+    let path = recording(&line).join("00000001-20260101T000000.000Z.mcap");
     std::fs::create_dir(path.parent().unwrap()).unwrap();
     std::fs::write(&path, "of another program, and long enough to be one").unwrap();
     line.start("steward");

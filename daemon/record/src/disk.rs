@@ -271,7 +271,8 @@ impl Work {
     fn begin(&mut self, utc_ns: u64, offset_ns: i128) -> Result<(), Unwritten> {
         self.end()?;
         self.probe()?;
-        let path = store::new_file(&self.folder, utc_ns);
+        let path =
+            store::new_file(&self.folder, utc_ns).map_err(|error| (self.folder.clone(), error.into()))?;
         let open = Open::create(&path, offset_ns).map_err(|error| (path.clone(), error))?;
         self.open = Some(open);
         self.tell(Told::Began(path));
@@ -466,7 +467,7 @@ mod tests {
 
     /// A recording whose recorder was killed.
     fn cut(folder: &Path) -> PathBuf {
-        let path = store::new_file(folder, 1);
+        let path = store::new_file(folder, 1).unwrap();
         let mut writer = RecordingWriter::new(File::create(&path).unwrap(), 0).unwrap();
         writer.write(&entry(1000)).unwrap();
         writer.flush().unwrap();

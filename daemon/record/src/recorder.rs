@@ -517,7 +517,7 @@ mod tests {
                 .collect()
         };
         let found: Vec<Vec<u64>> = files(home.path()).unwrap().into_iter().map(sent_s).collect();
-        assert_eq!(found, [[1410, 1411], [5001, 5002], [5001, 5002]]);
+        assert_eq!(found, [[5001, 5002], [1410, 1411], [5001, 5002]]);
     }
 
     #[test]

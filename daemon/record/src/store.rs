@@ -15,8 +15,11 @@ use crate::index::Index;
 /// The ending of a recording.
 const ENDING: &str = "mcap";
 
-/// The form of the time with which its name begins, see [`stamp`].
-const STAMP: &[u8] = b"00000000T000000.000Z";
+/// The form of what its name begins with: its number in the folder and its time, see [`stamp`].
+const FORM: &[u8] = b"00000000-00000000T000000.000Z";
+
+/// As many digits has the number: enough for a recording every ten seconds over thirty years.
+const DIGITS: usize = 8;
 
 /// A recording in the folder.
 #[derive(Clone, Debug)]
@@ -41,8 +44,8 @@ pub struct Budget {
 /// On a disk that has no more left, programs fail that have nothing to do with recordings.
 const SPARE: u64 = 64 << 20;
 
-/// The recordings of a folder, the oldest first: their names are their times. One that has no index yet is read for it. A folder that is not there
-/// has none.
+/// The recordings of a folder, the oldest first: their names begin with their numbers, which no clock sets back. One that has no index yet is read for
+/// it. A folder that is not there has none.
 ///
 /// # Errors
 /// That the folder cannot be read.
@@ -73,11 +76,11 @@ pub(crate) fn files(folder: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// Whether a file has the name of a recording, or of what lies beside one: it begins with a time. Other files in the folder are somebody else's.
+/// Whether a file has the name of a recording, or of what lies beside one: number and time. Other files in the folder are somebody else's.
 fn is_ours(path: &Path) -> bool {
     let Some(name) = path.file_name().map(|name| name.as_encoded_bytes()) else { return false };
     let is_like = |(byte, form): (&u8, &u8)| if *form == b'0' { byte.is_ascii_digit() } else { byte == form };
-    name.len() > STAMP.len() && name.iter().zip(STAMP).all(is_like)
+    name.len() > FORM.len() && name.iter().zip(FORM).all(is_like)
 }
 
 /// The recording that shows each verdict; the oldest, where several do. A later clip repeats the last verdicts of the one before it, without what came
@@ -101,15 +104,22 @@ pub(crate) fn sweep(folder: &Path) {
     }
 }
 
-/// A name that no recording of the folder has.
-pub(crate) fn new_file(folder: &Path, utc_ns: u64) -> PathBuf {
-    let name = |more: &str| folder.join(format!("{}{more}.{ENDING}", stamp(utc_ns)));
-    // In the order of the names this comes after the one without a number.
-    let names = (1..u32::MAX).map(|number| name(&format!("_{number}")));
-    std::iter::once(name("")).chain(names).find(|path| !path.exists()).unwrap_or_else(|| name(""))
+/// A name that comes after those of all recordings in the folder, also where the clock was set back since.
+///
+/// # Errors
+/// As [`recordings`].
+pub(crate) fn new_file(folder: &Path, utc_ns: u64) -> io::Result<PathBuf> {
+    let newest = files(folder)?.last().map_or(0, |path| number(path));
+    Ok(folder.join(format!("{:0DIGITS$}-{}.{ENDING}", newest + 1, stamp(utc_ns))))
 }
 
-/// A time as the name of a file, to the millisecond: names in their order are times in their order.
+/// The number with which the name of a recording begins.
+fn number(recording: &Path) -> u32 {
+    let name = recording.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    name.get(..DIGITS).and_then(|digits| digits.parse().ok()).unwrap_or_default()
+}
+
+/// A time as a part of a name, to the millisecond.
 fn stamp(utc_ns: u64) -> String {
     Timestamp::from_nanosecond(i128::from(utc_ns))
         .map_or_else(|_| utc_ns.to_string(), |time| time.strftime("%Y%m%dT%H%M%S.%3fZ").to_string())
@@ -305,9 +315,9 @@ mod tests {
         }
     }
 
-    /// The names of what begins with the time of this day.
+    /// The names of what begins with the number and the time of this day.
     fn of_day<const N: usize>(names: [(u8, &str); N]) -> [String; N] {
-        names.map(|(day, ending)| format!("202611{day:02}T072834.000Z.{ending}"))
+        names.map(|(day, ending)| format!("{day:08}-202611{day:02}T072834.000Z.{ending}"))
     }
 
     fn folder_of<const N: usize>(named: [(u8, &str); N], others: &[&str]) -> tempfile::TempDir {
@@ -333,6 +343,20 @@ mod tests {
         drop(written);
         assert_eq!(remove(&folder.path().join(&third)).unwrap(), Removed::Gone);
         assert_eq!(remove(&folder.path().join(&third)).unwrap(), Removed::Gone);
+    }
+
+    #[test]
+    fn a_clock_that_is_set_back_makes_no_recording_older_than_those_before_it() {
+        const DAY: u64 = 86_400_000_000_000;
+        let folder = folder(&[]);
+        let made = [20_000, 20_001, 19_000].map(|day| {
+            let path = new_file(folder.path(), day * DAY).unwrap();
+            fs::write(&path, [0; 1000]).unwrap();
+            path
+        });
+        assert_eq!(files(folder.path()).unwrap(), made);
+        assert_eq!(enforce(folder.path(), &Budget { bytes: 1500, ..GENEROUS }).unwrap(), 2);
+        assert_eq!(files(folder.path()).unwrap(), made[2..]);
     }
 
     #[test]

@@ -61,7 +61,10 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
                 "keep the film with the verdicts drawn on it",
                 "andond replay --job jobs/polish.toml run7.mp4 --annotate judged.mp4",
             ),
-            ("judge a recording of the station again, as it was", "andond replay 20261128T072834.125Z.mcap"),
+            (
+                "judge a recording of the station again, as it was",
+                "andond replay 00000042-20261128T072834.125Z.mcap",
+            ),
         ],
     ),
     (
