@@ -1,5 +1,6 @@
 //! Writes recordings in a thread of its own: a disk that is slow or full costs recordings, and never holds up the role that receives.
 
+use std::collections::HashSet;
 use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
@@ -101,7 +102,9 @@ impl Disk {
         let state = Arc::new(State::default());
         let far = Arc::clone(&state);
         let trimmed = Instant::now();
-        let work = move || Work { folder, budget, tell, state: far, open: None, trimmed }.run(&taken);
+        let unrepaired = HashSet::new();
+        let work =
+            move || Work { folder, budget, tell, state: far, open: None, trimmed, unrepaired }.run(&taken);
         let thread = std::thread::Builder::new().name("recordings".into()).spawn(work)?;
         Ok(Self { orders: Some(orders), told, state, thread: Some(thread), limit })
     }
@@ -199,6 +202,8 @@ struct Work {
     state: Arc<State>,
     open: Option<Open>,
     trimmed: Instant,
+    /// What was said of recordings that cannot be repaired: it is tried again each time that the disk was away, and says nothing new.
+    unrepaired: HashSet<String>,
 }
 
 impl Work {
@@ -326,7 +331,7 @@ impl Work {
     }
 
     /// Completes what a recorder that was killed has left.
-    fn repair_all(&self) {
+    fn repair_all(&mut self) {
         store::sweep(&self.folder);
         for path in store::files(&self.folder).unwrap_or_default() {
             // A repair writes the file once more, and the room may be the journal's. Such a file stays as it is until there is some.
@@ -334,17 +339,23 @@ impl Work {
             if !store::has_room_for(&self.folder, &self.budget, bytes) {
                 if is_cut(&path) {
                     let path = path.display();
-                    let why =
-                        format!("{path}: there is no room for a whole one beside it; make room on its disk");
-                    self.tell(Told::Unrepaired(why));
+                    self.tell_unrepaired(format!(
+                        "{path}: there is no room for a whole one beside it; make room on its disk"
+                    ));
                 }
                 continue;
             }
             match repair(&path) {
                 Ok(Repaired::Completed) => self.tell(Told::Repaired(path)),
                 Ok(Repaired::Whole | Repaired::InUse | Repaired::Removed) => (),
-                Err(error) => self.tell(Told::Unrepaired(error.to_string())),
+                Err(error) => self.tell_unrepaired(error.to_string()),
             }
+        }
+    }
+
+    fn tell_unrepaired(&mut self, why: String) {
+        if self.unrepaired.insert(why.clone()) {
+            self.tell(Told::Unrepaired(why));
         }
     }
 }
@@ -495,5 +506,23 @@ mod tests {
             assert_eq!((is_repaired, is_said), (has_room, !has_room), "{told:?}");
             assert!(path.exists());
         }
+    }
+
+    #[test]
+    fn what_cannot_be_repaired_is_said_once_however_often_the_disk_comes_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = cut(folder.path());
+        std::fs::write(&path, "a file that is no recording any more").unwrap();
+        let mut disk = Disk::start(folder.path().into(), budget(), 1 << 20).unwrap();
+        for _ in 0..3 {
+            disk.state.is_failing.store(true, Ordering::Relaxed);
+            disk.probe();
+            until(|| !disk.is_probing());
+        }
+        assert!(!disk.is_failing());
+        disk.finish();
+        let told: Vec<Told> = disk.told().collect();
+        let said = told.iter().filter(|told| matches!(told, Told::Unrepaired(_))).count();
+        assert_eq!(said, 1, "{told:?}");
     }
 }
