@@ -11,8 +11,9 @@ use shm_schemas::{
     ColourFormat, Couples, DepthFormat, Detections, FrameHeader, HandCouple, Health, Intrinsics, RoleId,
     RoleState, Verdict, VerdictLevel, VerdictOutcome,
 };
+use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 /// From one frame to the next.
 const INTERVAL_NS: u64 = 33_333_333;
@@ -248,29 +249,44 @@ fn a_journal_that_does_not_hear_the_judge_is_not_healthy_and_hears_it_again() {
     assert_eq!(line.journal().verdicts().len(), 1);
 }
 
-/// Lets a station record everything into its own folder, which is returned.
-fn recording(line: &Line) -> PathBuf {
+/// Lets a station record in this mode into its own folder, which is returned.
+fn recording(line: &Line, mode: &str) -> PathBuf {
     let path = line.path("recordings");
-    line.reconfigure("[journal]", &format!("[record]\nmode = \"always\"\npath = {path:?}\n\n[journal]"));
+    line.reconfigure("[journal]", &format!("[record]\nmode = {mode:?}\npath = {path:?}\n\n[journal]"));
     path
 }
 
 #[test]
-fn a_recording_that_was_cut_and_cannot_be_completed_is_said_and_stays() {
+fn a_recording_that_was_cut_and_cannot_be_completed_is_said_and_stays_whether_anything_is_recorded_or_not() {
+    for mode in ["always", "off"] {
+        let mut line = Line::new(Settings::default());
+        let path = recording(&line, mode).join("00000001-20260101T000000.000Z.mcap");
+        std::fs::create_dir(path.parent().unwrap()).unwrap();
+        std::fs::write(&path, "of another program, and long enough to be one").unwrap();
+        line.start("steward");
+        line.start("record");
+        line.wait_for_log("record", "AND-417", "this is no MCAP file");
+        assert!(path.exists());
+    }
+}
+
+#[test]
+fn recordings_grow_too_old_and_go_also_where_nothing_is_recorded_any_more_and_that_is_said() {
     let mut line = Line::new(Settings::default());
-    let path = recording(&line).join("00000001-20260101T000000.000Z.mcap");
+    let path = recording(&line, "off").join("00000001-20200101T000000.000Z.mcap");
     std::fs::create_dir(path.parent().unwrap()).unwrap();
-    std::fs::write(&path, "of another program, and long enough to be one").unwrap();
+    let long_ago = SystemTime::now() - Duration::from_secs(40 * 86_400);
+    File::create(&path).unwrap().set_modified(long_ago).unwrap();
     line.start("steward");
     line.start("record");
-    line.wait_for_log("record", "AND-417", "this is no MCAP file");
-    assert!(path.exists());
+    line.wait_for_log("record", "AND-414", "1 recordings were removed");
+    assert!(!path.exists());
 }
 
 #[test]
 fn an_anomaly_whose_picture_is_not_in_memory_any_more_is_recorded_without_it_and_that_is_reported() {
     let mut line = Line::new(Settings::default());
-    recording(&line);
+    recording(&line, "always");
     line.start("steward");
     line.start("record");
     line.wait_for_log("record", "AND-601", "");

@@ -8,7 +8,8 @@
 //! The time of a message is that of the picture that it comes from; that of its sending is its publish time. Both are UTC in a file.
 //!
 //! [`role`] receives, [`recorder`] decides what is recorded, [`disk`] writes it in a thread of its own, [`store`] keeps the folder within its budget,
-//! [`reader`] reads, and [`repair`](repair()) completes what a kill has cut. Beside each recording lies its [`index`].
+//! [`reader`] reads, and [`repair`](repair()) completes what a kill has cut. Beside each recording lies its [`index`]. Where nothing is recorded,
+//! [`retention`] stands in the place of all that receives.
 #![forbid(unsafe_code)]
 
 pub mod disk;
@@ -17,6 +18,7 @@ pub mod picture;
 pub mod reader;
 pub mod recorder;
 mod repair;
+pub mod retention;
 pub mod ring;
 pub mod role;
 pub mod store;

@@ -20,10 +20,10 @@ use shm_schemas::{
     MessageId, Stamp, Verdict, VerdictMeasure, VerdictOutcome, bytes_of, flag,
 };
 
-use crate::disk::{Disk, Told};
+use crate::disk::Disk;
 use crate::picture::{Decoded, PictureMaker, decode};
 use crate::recorder::{MESSAGE_MEMORY, Recorder, ToDisk};
-use crate::store::Budget;
+use crate::retention::{budget, say};
 use crate::topic::Topic;
 use crate::viewer::{CompressedImage, Level, Log, Number, timestamp};
 use crate::writer::{Attachment, Entry};
@@ -185,26 +185,6 @@ pub fn run<N: Narrator>(
     // On a bench whose camera is away no message may come for hours.
     cycle.stepped(Instant::now());
     cycle.run(&mut role)
-}
-
-/// While nothing is recorded, what was recorded before still grows too old: removes it in time, until the result is dropped.
-///
-/// # Errors
-/// That no thread can be started.
-pub fn retain(config: &Config) -> Result<Option<Disk>, RecordError> {
-    let folder = config.recordings();
-    let disk = folder.is_dir().then(|| Disk::start(folder, budget(config), 0));
-    disk.transpose().map_err(RecordError::Thread)
-}
-
-fn budget(config: &Config) -> Budget {
-    let record = &config.record;
-    Budget {
-        // The one that is being written may become as large as a file may.
-        bytes: u64::from(record.keep_mb.saturating_sub(record.file_mb)) << 20,
-        age: Duration::from_secs(86_400) * record.keep_days,
-        journal: Some((config.journal_path(), u64::from(config.journal.keep_mb) << 20)),
-    }
 }
 
 /// UTC now minus CLOCK_MONOTONIC now, nanoseconds.
@@ -459,17 +439,7 @@ impl<N: Narrator> Recording<N> {
     }
 
     fn listen_to_disk(&mut self) {
-        let told: Vec<Told> = self.recorder.sink().disk.told().collect();
-        for told in told {
-            match told {
-                Told::Began(path) => log!(code::RECORDING_BEGAN, "{}", path.display()),
-                Told::Kept(path) => log!(code::RECORDING_KEPT, "{}", path.display()),
-                Told::Repaired(path) => log!(code::RECORDING_REPAIRED, "{}", path.display()),
-                Told::Trimmed(count) => log!(code::RECORDINGS_TRIMMED, "{count} recordings were removed"),
-                Told::Unwritten(why) => log!(code::RECORDINGS_UNWRITTEN, "{why}"),
-                Told::Unrepaired(why) => log!(code::RECORDING_UNREPAIRED, remedied: "{why}"),
-            }
-        }
+        self.recorder.sink().disk.told().for_each(say);
     }
 }
 

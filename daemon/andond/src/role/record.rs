@@ -2,7 +2,6 @@
 
 use andon_host::config::{Config, RecordMode, in_force};
 use andon_host::log::{code, log};
-use andon_host::role::Cycle;
 use andon_host::video::pipe::PictureFormat;
 use andon_ipc::Node;
 use andon_learn::digest::sha256_hex;
@@ -12,7 +11,7 @@ use andon_record::picture::{Decoded, encode};
 use andon_record::role::Narrator;
 use shm_schemas::{Detections, Judging, Verdict};
 
-use super::{RoleError, disabled, jobs};
+use super::{RoleError, jobs};
 use crate::identity::program;
 use crate::picture::with_verdict;
 use crate::report::{Names, verdict_sentence};
@@ -22,8 +21,7 @@ use crate::wire;
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
     if config.record.mode == RecordMode::Off {
         log!(code::RECORDING_OFF, "record.mode is \"off\": no picture is stored anywhere");
-        let _disk = andon_record::role::retain(config)?;
-        return disabled::run(&mut Cycle::new(node)?);
+        return Ok(andon_record::retention::run(node, config)?);
     }
     let objects = config.objects.iter().map(|object| (object.id, object.name.clone()));
     let words = Words { config, names: Names::new(objects) };
