@@ -211,7 +211,7 @@ fn a_recorder_that_is_killed_at_any_moment_leaves_files_that_are_completed_and_t
     for recording in &found {
         let mut reader = match RecordingReader::open(recording) {
             Ok(reader) => reader,
-            Err(ReadError::Empty { .. } | ReadError::Cut { .. }) => continue,
+            Err(ReadError::Empty { .. } | ReadError::Short { .. } | ReadError::Cut { .. }) => continue,
             Err(error) => panic!("{error}"),
         };
         while let Some(item) = reader.next_item().unwrap() {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use andon_ipc::Channel;
 use mcap::records::Record;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use mcap::{McapError, parse_record};
+use mcap::{MAGIC, McapError, parse_record};
 
 use crate::topic::{Topic, layout};
 use crate::writer::{Attachment, Entry, PROFILE};
@@ -33,6 +33,17 @@ pub enum ReadError {
     Empty {
         /// The file.
         path: PathBuf,
+    },
+    /// It is shorter than what every recording begins with.
+    #[error(
+        "{}: the file has {bytes} of the {} bytes with which every recording begins: either its recorder was killed at once, or it is no recording; remove it",
+        path.display(), MAGIC.len()
+    )]
+    Short {
+        /// The file.
+        path: PathBuf,
+        /// What is there.
+        bytes: usize,
     },
     /// It is something else.
     #[error("{}: this is no MCAP file; `andond` reads those of its role `record`", path.display())]
@@ -110,6 +121,8 @@ pub struct RecordingReader<R> {
     /// The layouts of the schemas.
     schemas: HashMap<u16, Vec<u8>>,
     end: Option<End>,
+    /// The bytes that have come.
+    received: usize,
 }
 
 impl RecordingReader<BufReader<File>> {
@@ -144,6 +157,7 @@ impl<R: Read> RecordingReader<R> {
             topics: HashMap::new(),
             schemas: HashMap::new(),
             end: None,
+            received: 0,
         };
         reading.read_header()?;
         Ok(reading)
@@ -152,9 +166,10 @@ impl<R: Read> RecordingReader<R> {
     fn read_header(&mut self) -> Result<(), ReadError> {
         let path = self.path.clone();
         let Some(record) = self.next_record()? else {
-            return Err(match &self.end {
-                Some(End::Cut(why)) if why == EMPTY => ReadError::Empty { path },
-                Some(End::Cut(why)) if why == NO_MAGIC => ReadError::NotMcap { path },
+            return Err(match (self.received, &self.end) {
+                (0, _) => ReadError::Empty { path },
+                (bytes, _) if bytes < MAGIC.len() => ReadError::Short { path, bytes },
+                (_, Some(End::Cut(why))) if why == NO_MAGIC => ReadError::NotMcap { path },
                 _ => ReadError::Cut { path },
             });
         };
@@ -223,7 +238,6 @@ impl<R: Read> RecordingReader<R> {
         if self.end.is_some() {
             return Ok(None);
         }
-        let mut has_read = false;
         while let Some(event) = self.reader.next_event() {
             match event {
                 Ok(LinearReadEvent::ReadRequest(bytes)) => {
@@ -233,22 +247,21 @@ impl<R: Read> RecordingReader<R> {
                         .read(self.reader.insert(bytes))
                         .map_err(|source| ReadError::Open { path: self.path.clone(), source })?;
                     self.reader.notify_read(read);
-                    has_read |= read > 0;
+                    self.received += read;
                 }
                 Ok(LinearReadEvent::Record { data, opcode }) => match parse_record(opcode, data) {
                     Ok(record) => return Ok(Some(record.into_owned())),
-                    Err(error) => return Ok(self.ends(&error, has_read)),
+                    Err(error) => return Ok(self.ends(&error)),
                 },
-                Err(error) => return Ok(self.ends(&error, has_read)),
+                Err(error) => return Ok(self.ends(&error)),
             }
         }
         self.end = Some(End::Complete);
         Ok(None)
     }
 
-    fn ends(&mut self, error: &McapError, has_read: bool) -> Option<Record<'static>> {
+    fn ends(&mut self, error: &McapError) -> Option<Record<'static>> {
         let why = match error {
-            McapError::UnexpectedEof if !has_read && self.schemas.is_empty() => EMPTY.to_owned(),
             McapError::BadMagic if self.schemas.is_empty() => NO_MAGIC.to_owned(),
             other => other.to_string(),
         };
@@ -257,5 +270,4 @@ impl<R: Read> RecordingReader<R> {
     }
 }
 
-const EMPTY: &str = "the file is empty";
 const NO_MAGIC: &str = "the file does not begin as an MCAP file";

@@ -133,6 +133,7 @@ fn what_is_no_recording_is_refused_by_what_it_is() {
     let layout = format!("{:016x}", Channel::Detections.layout());
     for (bytes, words) in [
         (Vec::new(), "run.mcap: the file is empty"),
+        (bytes[..7].to_vec(), "run.mcap: the file has 7 of the 8 bytes"),
         (b"ftypisom, a film and no recording at all".to_vec(), "run.mcap: this is no MCAP file"),
         (bytes[..20].to_vec(), "run.mcap: the file is cut before its first whole record"),
         (replaced("andon-1", "ros2   "), "an MCAP file of \"andon-record"),
