@@ -281,10 +281,12 @@ impl Checks<'_> {
         let polygons =
             [("record.bench", std::slice::from_ref(&record.bench)), ("record.masks", &record.masks)];
         for (key, polygons) in polygons {
-            if polygons.iter().any(|corners| crosses_itself(corners)) {
-                let problem =
-                    "must not cross itself: what lies in it is not clear; name its corners in their order";
-                self.fault(key, &[], problem.into());
+            for (number, _) in (1..).zip(polygons).filter(|(_, corners)| crosses_itself(corners)) {
+                let which = if polygons.len() > 1 { format!("polygon {number} ") } else { String::new() };
+                let problem = format!(
+                    "{which}must not cross itself: what lies in it is not clear; name its corners in their order"
+                );
+                self.fault(key, &[], problem);
             }
             if record.size.is_none() && polygons.iter().any(|corners| !corners.is_empty()) {
                 let problem = "needs record.size: the size of the picture that it was drawn on".into();
