@@ -21,7 +21,8 @@ const LEAD_NS: u64 = 2 * SECOND;
 /// As many jobs are attached: more than come into force while one is done.
 const JOBS: usize = 4;
 
-/// A clip lasts until its job has ended, so that the job can be taught; but no longer than this after its verdict.
+/// A clip lasts until its job has ended, so that the job can be taught; but no longer than this after its verdict. What has pictures then is only what
+/// is near a verdict.
 const LONGEST_TAIL_NS: u64 = 120 * SECOND;
 
 /// Where recordings go.
@@ -77,6 +78,9 @@ struct Open {
     bytes: u64,
     /// In fault mode: until when its pictures are written.
     pictures_until_ns: u64,
+    /// In fault mode, after that time: from which place in the ring on nothing is written yet, which a kill would cost. Another fault may still want
+    /// the pictures of that, and each picture comes before what was detected in it.
+    waits_from: Option<u64>,
 }
 
 /// Decides what is recorded.
@@ -168,27 +172,64 @@ impl<S: Sink> Recorder<S> {
             self.standing.retain(|known| known.topic != entry.topic);
             self.standing.push(entry.clone());
         }
-        let is_clip = self.record.mode == RecordMode::Fault;
-        if is_clip || entry.topic == Topic::Picture {
+        if self.record.mode == RecordMode::Fault {
+            self.take_for_clip(entry);
+            return;
+        }
+        if entry.topic == Topic::Picture {
             self.ring.push(entry.clone());
         }
-        if !is_clip && self.open.is_none() {
+        if self.open.is_none() {
             self.begin(entry.sent_ns);
             if is_standing {
                 // The begin has written it.
                 return;
             }
         }
-        // A clip has pictures as long as its job goes on, so that a second fault finds those before it, and each picture comes before what was
-        // detected in it. One that grows too large has those of its faults.
-        let (limit, goes_on) = (self.file_bytes(), self.is_job_running);
-        let is_wanted = self.open.as_ref().is_some_and(|open| {
-            let is_near = entry.sent_ns <= open.pictures_until_ns;
-            entry.topic != Topic::Picture || is_near || (goes_on && open.bytes < limit)
-        });
-        if is_wanted {
-            self.write(entry);
+        self.write(entry);
+    }
+
+    /// Near a fault everything is written at once. Else it waits until no fault can want its pictures any more, and is then written without them.
+    fn take_for_clip(&mut self, entry: Entry) {
+        let sent_ns = entry.sent_ns;
+        if let Some(open) = &mut self.open
+            && sent_ns > open.pictures_until_ns
+        {
+            open.waits_from.get_or_insert(self.ring.next());
         }
+        if self.waits_from().is_none() {
+            self.write(entry.clone());
+        }
+        // What there is no room for in memory cannot wait any longer either.
+        let gone = self.ring.push(entry);
+        self.write_without_pictures(gone);
+        self.write_waiting(sent_ns.saturating_sub(self.before_ns()));
+    }
+
+    fn waits_from(&self) -> Option<u64> {
+        self.open.as_ref()?.waits_from
+    }
+
+    /// Writes what waits and was sent before this time, without its pictures.
+    fn write_waiting(&mut self, until_ns: u64) {
+        if let Some(from) = self.waits_from() {
+            let waiting = self.ring.others_before(from, until_ns);
+            self.write_without_pictures(waiting);
+        }
+    }
+
+    fn write_without_pictures(&mut self, entries: Vec<(u64, Entry)>) {
+        for (order, entry) in entries {
+            let Some(open) = &mut self.open else { return };
+            if entry.topic != Topic::Picture && open.waits_from.is_some_and(|from| from <= order) {
+                open.waits_from = Some(order + 1);
+                self.write(entry);
+            }
+        }
+    }
+
+    fn before_ns(&self) -> u64 {
+        u64::from(self.record.before_s) * SECOND
     }
 
     /// Says in the recording what is missing in it. False where nothing is open or too much waits: it is to be said again.
@@ -245,6 +286,7 @@ impl<S: Sink> Recorder<S> {
 
     /// Ends the recording; what comes begins another.
     pub fn end(&mut self) {
+        self.write_waiting(u64::MAX);
         if self.open.take().is_some() {
             self.sink.end();
         }
@@ -252,17 +294,18 @@ impl<S: Sink> Recorder<S> {
 
     /// Opens a clip with what is in memory, or goes on with the one that is open.
     fn clip(&mut self, now_ns: u64) {
-        let before_ns = u64::from(self.record.before_s) * SECOND;
         let pictures_until_ns = now_ns + u64::from(self.record.after_s) * SECOND;
-        let begin_ns = now_ns.saturating_sub(before_ns);
+        let begin_ns = now_ns.saturating_sub(self.before_ns());
         if let Some(open) = &mut self.open {
             open.pictures_until_ns = pictures_until_ns;
+            let waiting = open.waits_from.take().map(|from| self.ring.since(from, begin_ns, 0));
+            waiting.into_iter().flatten().for_each(|entry| self.write(entry));
             return;
         }
         // A job that ended before explains nothing. The verdict on a job comes with its end.
         let is_of_job = self.is_job_running || self.job_ended_ns >= begin_ns;
         let job_ns = if is_of_job { self.job_began_ns.saturating_sub(LEAD_NS) } else { begin_ns };
-        let kept = self.ring.since(begin_ns, begin_ns.min(job_ns));
+        let kept = self.ring.since(0, begin_ns, begin_ns.min(job_ns));
         self.begin(now_ns);
         kept.into_iter().for_each(|entry| self.write(entry));
         if let Some(open) = &mut self.open {
@@ -271,7 +314,7 @@ impl<S: Sink> Recorder<S> {
     }
 
     fn begin(&mut self, now_ns: u64) {
-        self.open = Some(Open { bytes: 0, pictures_until_ns: u64::MAX });
+        self.open = Some(Open { bytes: 0, pictures_until_ns: u64::MAX, waits_from: None });
         self.sink.begin(now_ns);
         for attachment in self.attachments.clone() {
             self.sink.attach(attachment);
@@ -387,7 +430,7 @@ mod tests {
     }
 
     #[test]
-    fn the_clip_of_a_job_that_goes_on_has_pictures_until_its_end_and_detections_of_the_whole_of_it() {
+    fn the_clip_of_a_job_that_goes_on_has_pictures_around_its_verdict_and_detections_of_the_whole_of_it() {
         let mut recorder = recorder(RecordMode::Fault);
         run(&mut recorder, 0, 20, 10);
         recorder.job(true, 20 * SECOND);
@@ -400,7 +443,7 @@ mod tests {
         let written = recorder.sink();
         assert_eq!((written.recordings.len(), written.is_open), (1, false));
         let recording = &written.recordings[0];
-        assert_eq!(span(recording, Topic::Picture), Some((500, 799)));
+        assert_eq!(span(recording, Topic::Picture), Some((500, 630)));
         assert_eq!(span(recording, Topic::Raw(Channel::Detections)), Some((180, 800)));
         assert!(recording.is_sorted_by_key(|entry| entry.sent_ns));
     }
@@ -427,28 +470,33 @@ mod tests {
         run(&mut recorder, 30, 50, 10);
         assert!(recorder.verdict(&verdict(VerdictOutcome::Anomaly), 50 * SECOND));
         run(&mut recorder, 50, 60, 10);
+        recorder.end();
         let recording = &recorder.sink().recordings[0];
         let times = |topic: Topic| -> Vec<u64> {
             let of_topic = recording.iter().filter(|entry| entry.topic == topic);
             of_topic.map(|entry| entry.sent_ns / TENTH).collect()
         };
-        assert_eq!(times(Topic::Picture), (200..600).collect::<Vec<_>>());
+        assert_eq!(times(Topic::Picture), (200..=330).chain(400..=530).collect::<Vec<_>>());
+        assert_eq!(times(Topic::Raw(Channel::Detections)), (0..600).collect::<Vec<_>>());
         // A picture comes no later than what was detected in it, as who reads the clip from its begin needs it.
         assert!(recording.is_sorted_by_key(|entry| entry.sent_ns));
         assert_eq!(recorder.sink().recordings.len(), 1);
     }
 
     #[test]
-    fn a_clip_that_grows_too_large_is_one_recording_with_the_pictures_around_its_faults() {
-        let record = Record { mode: RecordMode::Fault, file_mb: 1, ..Record::default() };
-        let mut recorder = Recorder::new(Written::default(), record);
+    fn a_clip_loses_nothing_that_was_detected_where_memory_holds_less_than_the_time_before_a_fault() {
+        let mut recorder = recorder(RecordMode::Fault);
         recorder.job(true, SECOND);
-        run(&mut recorder, 0, 30, 10_000);
-        assert!(recorder.verdict(&verdict(VerdictOutcome::Anomaly), 30 * SECOND));
-        run(&mut recorder, 30, 60, 10_000);
-        let written = recorder.sink();
-        assert_eq!((written.recordings.len(), written.is_open), (1, true));
-        assert_eq!(span(&written.recordings[0], Topic::Picture), Some((200, 330)));
+        // A second of these takes more than half of the memory.
+        run(&mut recorder, 0, 1, MESSAGE_MEMORY / 19);
+        assert!(recorder.verdict(&verdict(VerdictOutcome::Anomaly), SECOND));
+        run(&mut recorder, 1, 20, MESSAGE_MEMORY / 19);
+        recorder.end();
+        let recording = &recorder.sink().recordings[0];
+        let detected = recording.iter().filter(|entry| entry.topic == Topic::Raw(Channel::Detections));
+        let tenths: Vec<u64> = detected.map(|entry| entry.sent_ns / TENTH).collect();
+        assert_eq!(tenths, (0..200).collect::<Vec<_>>());
+        assert_eq!(span(recording, Topic::Picture), Some((0, 40)));
     }
 
     #[test]

@@ -29,18 +29,22 @@ impl Part {
         Self { entries: VecDeque::new(), bytes: 0, limit }
     }
 
-    fn push(&mut self, order: u64, entry: Entry) {
+    /// Returns what there is no room for any more.
+    fn push(&mut self, order: u64, entry: Entry) -> Vec<(u64, Entry)> {
         self.bytes += HEAD + entry.data.len();
         self.entries.push_back((order, entry));
+        let mut gone = Vec::new();
         while self.bytes > self.limit
-            && let Some((_, oldest)) = self.entries.pop_front()
+            && let Some(oldest) = self.entries.pop_front()
         {
-            self.bytes -= HEAD + oldest.data.len();
+            self.bytes -= HEAD + oldest.1.data.len();
+            gone.push(oldest);
         }
+        gone
     }
 
-    fn since(&self, begin_ns: u64) -> impl Iterator<Item = &(u64, Entry)> {
-        self.entries.iter().filter(move |(_, entry)| entry.sent_ns >= begin_ns)
+    fn from(&self, order: u64) -> impl Iterator<Item = &(u64, Entry)> {
+        self.entries.range(self.entries.partition_point(|(known, _)| *known < order)..)
     }
 }
 
@@ -51,20 +55,34 @@ impl Ring {
         Self { pictures: Part::new(pictures), others: Part::new(others), next: 0 }
     }
 
-    /// Takes what was received; what is oldest goes.
-    pub fn push(&mut self, entry: Entry) {
-        let part = if entry.topic == Topic::Picture { &mut self.pictures } else { &mut self.others };
-        part.push(self.next, entry);
-        self.next += 1;
+    /// The place in the order of the next one.
+    #[must_use]
+    pub fn next(&self) -> u64 {
+        self.next
     }
 
-    /// What was sent since these times, in the order in which it was received.
+    /// Takes what was received. What is oldest goes, and is returned.
+    pub fn push(&mut self, entry: Entry) -> Vec<(u64, Entry)> {
+        let part = if entry.topic == Topic::Picture { &mut self.pictures } else { &mut self.others };
+        let gone = part.push(self.next, entry);
+        self.next += 1;
+        gone
+    }
+
+    /// What was received from this place in the order on and sent since these times, in the order in which it was received.
     #[must_use]
-    pub fn since(&self, pictures_ns: u64, others_ns: u64) -> Vec<Entry> {
-        let mut found: Vec<&(u64, Entry)> =
-            self.pictures.since(pictures_ns).chain(self.others.since(others_ns)).collect();
+    pub fn since(&self, order: u64, pictures_ns: u64, others_ns: u64) -> Vec<Entry> {
+        let pictures = self.pictures.from(order).filter(|(_, entry)| entry.sent_ns >= pictures_ns);
+        let others = self.others.from(order).filter(|(_, entry)| entry.sent_ns >= others_ns);
+        let mut found: Vec<&(u64, Entry)> = pictures.chain(others).collect();
         found.sort_by_key(|(order, _)| *order);
         found.into_iter().map(|(_, entry)| entry.clone()).collect()
+    }
+
+    /// What is no picture, from this place in the order on, up to the first that was not sent before this time.
+    #[must_use]
+    pub fn others_before(&self, order: u64, until_ns: u64) -> Vec<(u64, Entry)> {
+        self.others.from(order).take_while(|(_, entry)| entry.sent_ns < until_ns).cloned().collect()
     }
 
     /// The newest picture of a time that is not after this one.
@@ -92,7 +110,7 @@ mod tests {
             ring.push(entry(Topic::Picture, ns, 100));
             assert!(ring.pictures.bytes <= ring.pictures.limit && ring.others.bytes <= ring.others.limit);
         }
-        let found = ring.since(0, 480);
+        let found = ring.since(0, 0, 480);
         let pictures = found.iter().filter(|entry| entry.topic == Topic::Picture).count();
         assert_eq!((pictures, found.len()), (10, 30));
         assert!(found.is_sorted_by_key(|entry| entry.sent_ns));
@@ -103,8 +121,8 @@ mod tests {
     #[test]
     fn what_is_larger_than_it_is_not_kept() {
         let mut ring = Ring::new(50, 50);
-        ring.push(entry(Topic::Picture, 1, 1000));
-        assert!(ring.since(0, 0).is_empty());
+        assert_eq!(ring.push(entry(Topic::Picture, 1, 1000)).len(), 1);
+        assert!(ring.since(0, 0, 0).is_empty());
         assert_eq!(ring.pictures.bytes, 0);
     }
 }

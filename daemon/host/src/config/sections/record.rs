@@ -123,7 +123,7 @@ impl Record {
             "after_s",
             &mut self.after_s,
             within(0, 60, "s"),
-            "How long after a verdict its clip has pictures. Where its job goes on, so do they, until the clip has `file_mb`.",
+            "How long after a verdict its clip has pictures. What was detected is kept to the end of the job.",
         );
         k.key(
             "memory_mb",
