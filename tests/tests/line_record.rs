@@ -3,13 +3,13 @@
 
 use andon_record::{End, Item, ReadError, RecordingReader, Topic, store};
 use andon_tests::environment;
-use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, control};
+use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, andond, control};
 use andon_tests::simulator::Flaw;
 use rustix::process::Signal;
 use shm_schemas::{JudgePhase, RoleId, RoleState, VerdictOutcome};
-use std::fmt::Write as _;
+use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::process::Output;
+use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 /// Lets a station record into its own folder.
@@ -231,7 +231,8 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 
 #[test]
 fn with_record_off_no_picture_is_stored_and_the_role_is_healthy() {
-    let mut line = Line::with_film("speed = \"file\"", "", &["-i", "p1_order_r1.mp4"]);
+    // As fast as it can be looked at: a fault is one however busy the machine is.
+    let mut line = Line::with_film("speed = \"max\"", "", &["-i", "p1_order_r1.mp4"]);
     recording(&line, "off");
     let mut watcher = up(&mut line);
     line.wait_for_log("record", "AND-416", "");
@@ -252,8 +253,8 @@ fn with_record_off_no_picture_is_stored_and_the_role_is_healthy() {
 
 #[test]
 fn a_clip_is_made_of_an_anomaly_and_of_nothing_else() {
-    let settings = Settings { at_full_speed: false, flaw: Flaw::WrongOrder, ..Settings::default() };
-    let mut line = Line::new(settings);
+    // At full speed no frame is left out, so that nothing is unjudged on a busy machine.
+    let mut line = Line::new(Settings { flaw: Flaw::WrongOrder, ..Settings::default() });
     recording(&line, "fault");
     let mut watcher = up(&mut line);
     watcher.until_judged();
@@ -263,7 +264,7 @@ fn a_clip_is_made_of_an_anomaly_and_of_nothing_else() {
     let verdicts: Vec<_> = found.iter().flat_map(|recording| &recording.index.verdicts).collect();
     assert!(verdicts.iter().any(|verdict| verdict.outcome == VerdictOutcome::Anomaly.code()));
 
-    let mut line = Line::new(Settings { at_full_speed: false, ..Settings::default() });
+    let mut line = Line::new(Settings::default());
     recording(&line, "fault");
     let mut watcher = up(&mut line);
     watcher.until_judged();
@@ -289,10 +290,74 @@ fn a_folder_that_cannot_be_written_costs_recordings_and_no_verdicts_and_is_said(
     }
     watcher.until("the recorder", |watcher| watcher.is(RoleId::Record, RoleState::Running));
     stop(&mut line);
-    let mut text = String::new();
-    line.log("record")
-        .lines()
-        .filter(|row| row.contains("AND-412"))
-        .for_each(|row| writeln!(text, "{row}").unwrap());
-    assert_eq!(text.lines().count(), 1, "{text}");
+    assert_eq!(logged(&line, "AND-412"), 1, "{}", line.log("record"));
+}
+
+/// How often the recorder has logged this code.
+fn logged(line: &Line, code: &str) -> usize {
+    line.log("record").lines().filter(|row| row.contains(code)).count()
+}
+
+/// Runs a command with a disk of its own at a folder. The disk is full for as long as there is a file `full` beside the folder.
+const WITH_OWN_DISK: &str = r#"
+disk=$1; shift
+mount -t tmpfs -o size=80m none "$disk" || exit 99
+lives() { kill -0 $$ 2>/dev/null; }
+(
+    until [ -e "$disk/../full" ] || ! lives; do sleep 0.1; done
+    cat /dev/zero > "$disk/filler" 2>/dev/null
+    while [ -e "$disk/../full" ] && lives; do sleep 0.1; done
+    rm "$disk/filler"
+) &
+exec "$@"
+"#;
+
+/// A recorder on a disk of its own. It is killed when this is dropped.
+struct OnOwnDisk(Child);
+
+impl OnOwnDisk {
+    fn start(line: &Line) -> Self {
+        std::fs::create_dir(line.path("recordings")).unwrap();
+        let started = Command::new("unshare")
+            .args(["--mount", "--map-root-user", "sh", "-c", WITH_OWN_DISK, "sh"])
+            .arg(line.path("recordings"))
+            .arg(andond())
+            .args(["run", "record", "--config"])
+            .arg(line.config())
+            .env_remove("JOURNAL_STREAM")
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(File::create(line.path("record.log")).unwrap())
+            .spawn();
+        Self(started.unwrap())
+    }
+}
+
+impl Drop for OnOwnDisk {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+#[test]
+fn a_disk_that_fills_up_costs_recordings_and_no_verdicts_and_is_written_again_once_it_has_room() {
+    let mut line = Line::new(Settings::live());
+    recording(&line, "always");
+    line.start("steward");
+    let mut watcher = Watcher::join(&line.station);
+    let _recorder = OnOwnDisk::start(&line);
+    line.start_all_but(&["steward"]);
+    line.wait_for_log("record", "AND-410", "");
+    watcher.until("the recorder", |watcher| watcher.is(RoleId::Record, RoleState::Running));
+    std::fs::write(line.path("full"), "").unwrap();
+    line.wait_for_log("record", "AND-412", "Make room on the disk");
+    watcher.until("the recorder's fault", |watcher| watcher.is(RoleId::Record, RoleState::Fault));
+    let (before, begun) = (watcher.verdicts.len(), logged(&line, "AND-410"));
+    watcher.until("verdicts all the same", |watcher| watcher.verdicts.len() >= before + 2);
+    std::fs::remove_file(line.path("full")).unwrap();
+    watcher.until("the recorder", |watcher| watcher.is(RoleId::Record, RoleState::Running));
+    watcher.until("another recording", |_| logged(&line, "AND-410") > begun);
+    assert_eq!(logged(&line, "AND-412"), 1, "{}", line.log("record"));
+    assert!(line.stop_all_but_steward().is_empty());
 }

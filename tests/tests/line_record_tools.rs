@@ -215,6 +215,11 @@ fn a_part_is_forgotten_in_every_file_that_shows_it_and_not_in_the_one_that_is_wr
     let (mut line, watcher) = in_several_files();
     let before = store::recordings(&line.path("recordings")).unwrap();
     let written = before.last().unwrap().path.clone();
+    // For the second half, with the one that is being written, which is whole by then.
+    let saved = line.path("saved");
+    fs::create_dir(&saved).unwrap();
+    let is_whole = |path: &Path| stem(path).starts_with('0') && stem(path) < stem(&written);
+    copy_files(&line.path("recordings"), &saved, is_whole);
     let orphan = line.path("recordings").join("00000000-20000101T000000.000Z.json");
     fs::write(&orphan, "{\"part\":\"SN-7\"}").unwrap();
     let far = "2199-01-01T00:00:00Z";
@@ -231,11 +236,8 @@ fn a_part_is_forgotten_in_every_file_that_shows_it_and_not_in_the_one_that_is_wr
         let reader = andon_record::RecordingReader::open(&recording.path);
         assert!(reader.is_ok(), "what was being written is whole");
     }
-    said(&line.command("forget", &["--before", far]), 0);
-    assert_eq!(fs::read_dir(line.path("recordings")).unwrap().count(), 0);
 
-    let (mut line, watcher) = in_several_files();
-    stop(&mut line, watcher);
+    copy_files(&saved, &line.path("recordings"), |_| true);
     let before = store::recordings(&line.path("recordings")).unwrap();
     let names =
         |recording: &store::Recording| recording.index.verdicts.iter().any(|verdict| verdict.part == "SN-7");
@@ -251,6 +253,22 @@ fn a_part_is_forgotten_in_every_file_that_shows_it_and_not_in_the_one_that_is_wr
         assert!(!left.contains(&recording.path), "{first}..={last}: {left:?}");
     }
     assert!(!left.is_empty(), "the work on the next part is not forgotten");
+    said(&line.command("forget", &["--before", far]), 0);
+    assert_eq!(fs::read_dir(line.path("recordings")).unwrap().count(), 0);
+}
+
+/// What the names of a recording and of what lies beside it have in common.
+fn stem(path: &Path) -> String {
+    let name = path.file_name().unwrap().to_str().unwrap();
+    name.split('Z').next().unwrap().to_owned()
+}
+
+/// Copies the files of a folder that are wanted.
+fn copy_files(from: &Path, to: &Path, is_wanted: impl Fn(&Path) -> bool) {
+    for path in fs::read_dir(from).unwrap().map(|entry| entry.unwrap().path()).filter(|path| is_wanted(path))
+    {
+        fs::copy(&path, to.join(path.file_name().unwrap())).unwrap();
+    }
 }
 
 #[test]
