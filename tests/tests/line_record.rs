@@ -6,7 +6,7 @@ use andon_tests::environment;
 use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, andond, control};
 use andon_tests::simulator::Flaw;
 use rustix::process::Signal;
-use shm_schemas::{JudgePhase, RoleId, RoleState, VerdictOutcome};
+use shm_schemas::{JudgePhase, Refusal, RoleId, RoleState, VerdictOutcome};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -86,6 +86,19 @@ fn a_line_that_is_recorded_is_judged_again_with_the_same_verdicts_to_the_bit() {
     assert_eq!(output.status.code(), Some(1), "{}", said(&output));
 }
 
+/// Aborts what is running and loads the other job. A worker who goes on may have begun the next piece before that: then once more.
+fn load_second_job(plc: &mut Modbus, watcher: &mut Watcher) {
+    let until = Instant::now() + PATIENCE;
+    loop {
+        plc.control(control::ENABLE | control::ABORT).unwrap();
+        watcher.until("the end of the piece", |watcher| watcher.phase() == Some(JudgePhase::Waiting));
+        plc.enable();
+        let Some(refusal) = plc.load_job(2) else { return };
+        assert_eq!(refusal, u16::from(Refusal::Busy.code()));
+        assert!(Instant::now() < until, "the worker is never between two pieces");
+    }
+}
+
 #[test]
 fn commands_in_the_middle_of_a_job_come_at_the_same_place_again() {
     let mut line = Line::with_second_job(Settings { writes: true, ..Settings::live() });
@@ -109,10 +122,7 @@ fn commands_in_the_middle_of_a_job_come_at_the_same_place_again() {
     plc.enable();
     let before = watcher.verdicts.len();
     watcher.until("more verdicts", |watcher| watcher.verdicts.len() >= before + 2);
-    plc.control(control::ENABLE | control::ABORT).unwrap();
-    watcher.until("the end of the piece", |watcher| watcher.phase() == Some(JudgePhase::Waiting));
-    plc.control(control::ENABLE).unwrap();
-    assert_eq!(plc.load_job(2), None);
+    load_second_job(&mut plc, &mut watcher);
     let before = watcher.verdicts.len();
     watcher.until("verdicts of the other job", |watcher| watcher.verdicts.len() >= before + 3);
     stop(&mut line);
@@ -152,10 +162,7 @@ fn kills_between_commands_are_judged_again_with_the_same_verdicts() {
         let before = watcher.verdicts.len();
         watcher.until("verdicts", |watcher| watcher.verdicts.len() >= before + 2);
         if round == 1 {
-            plc.control(control::ENABLE | control::ABORT).unwrap();
-            watcher.until("the end of the piece", |watcher| watcher.phase() == Some(JudgePhase::Waiting));
-            plc.enable();
-            assert_eq!(plc.load_job(2), None);
+            load_second_job(&mut plc, &mut watcher);
         }
         line.role(role).kill();
         line.start(role);
