@@ -1,4 +1,5 @@
-//! Channel `frame`: the header of a `[u8]` slice that holds the colour plane and then the depth plane, as the sensor gives them.
+//! Channel `frame`: the header of a `[u8]` slice that holds the colour plane and then the depth plane, as the sensor gives them. Behind these is the
+//! JPEG of a camera that sends its pictures so.
 
 use crate::code::codes;
 use crate::layout::wire;
@@ -105,8 +106,8 @@ wire! { "andon.FrameHeader", 224;
         depth: Intrinsics,
         /// From the depth camera to the colour camera.
         colour_from_depth: Extrinsics,
-        /// Keeps the size a multiple of 8.
-        reserved: u32,
+        /// Bytes of the JPEG that the colour plane was decoded from, right after the depth plane; 0 when the source sends none.
+        jpeg_bytes: u32,
     }
 }
 message!(FrameHeader);

@@ -31,7 +31,8 @@ impl FrameLoan {
         self.0.user_header_mut()
     }
 
-    /// The pixels: the colour plane, then the depth plane. Until they are written they are those of an earlier frame.
+    /// The pixels: the colour plane, then the depth plane, then room for what a camera has sent instead of them. Until they are written they are
+    /// those of an earlier frame.
     pub fn bytes_mut(&mut self) -> &mut [u8] {
         self.0.payload_mut()
     }
@@ -137,7 +138,7 @@ impl FrameSample {
         self.0.user_header()
     }
 
-    /// All bytes: the colour plane, then the depth plane.
+    /// All bytes: the colour plane, then the depth plane, then what a camera has sent instead of them.
     pub fn bytes(&self) -> &[u8] {
         self.0.payload()
     }
@@ -157,6 +158,14 @@ impl FrameSample {
     pub fn depth(&self) -> Result<&[u8], Error> {
         let begin = self.header().colour_bytes().unwrap_or(usize::MAX);
         self.plane(begin, self.header().depth_bytes())
+    }
+
+    /// The JPEG that the colour plane was decoded from, as the camera sent it, where it is there and whole.
+    pub fn jpeg(&self) -> Option<&[u8]> {
+        let header = self.header();
+        let begin = header.colour_bytes()?.checked_add(header.depth_bytes()?)?;
+        let bytes = (header.jpeg_bytes > 0).then_some(header.jpeg_bytes as usize);
+        bytes.and_then(|bytes| self.bytes().get(begin..begin.checked_add(bytes)?))
     }
 
     fn plane(&self, begin: usize, bytes: Option<usize>) -> Result<&[u8], Error> {

@@ -66,12 +66,21 @@ impl PictureMaker {
         }
     }
 
-    /// The colour plane of a frame as JPEG. What may not be seen is black before anything is encoded.
+    /// The colour plane of a frame as JPEG: as the camera `sent` it, where it did and all of it may be seen. What may not be seen is black before
+    /// anything is encoded.
     ///
     /// # Errors
     /// A frame that is none, and what OpenCV says.
-    pub fn jpeg(&mut self, header: &FrameHeader, colour: &[u8]) -> Result<Vec<u8>, PictureError> {
+    pub fn jpeg(
+        &mut self,
+        header: &FrameHeader,
+        colour: &[u8],
+        sent: Option<&[u8]>,
+    ) -> Result<Vec<u8>, PictureError> {
         let frame = view(header, colour)?;
+        if let Some(sent) = sent.filter(|_| !self.hides()) {
+            return Ok(sent.to_vec());
+        }
         let is_packed = frame.stride() == 3 * frame.width();
         // Most frames are encoded where they lie.
         let mut pixels = match frame.format() {
@@ -201,7 +210,7 @@ mod tests {
             ..Record::default()
         };
         let (header, bytes) = frame(|x, y| if (x ^ y) & 1 == 0 { [255; 3] } else { [40, 255, 90] });
-        let jpeg = PictureMaker::new(&record).jpeg(&header, &bytes).unwrap();
+        let jpeg = PictureMaker::new(&record).jpeg(&header, &bytes, None).unwrap();
         // What a lossy block leaves of black is far from anything that was there.
         const BLACK: u8 = 60;
         let is_outside = |x, y| !((20..=300).contains(&x) && (20..=220).contains(&y));
@@ -215,7 +224,19 @@ mod tests {
             false if (x ^ y) & 1 == 0 => [255; 3],
             false => [40, 255, 90],
         });
-        assert_eq!(PictureMaker::new(&record).jpeg(&header, &other).unwrap(), jpeg);
+        assert_eq!(PictureMaker::new(&record).jpeg(&header, &other, None).unwrap(), jpeg);
+    }
+
+    #[test]
+    fn what_the_camera_sent_is_stored_as_it_is_unless_something_may_not_be_seen() {
+        let (header, bytes) = frame(|_, _| [255; 3]);
+        let sent = Some(&b"as the camera sent it"[..]);
+        let jpeg = PictureMaker::new(&Record::default()).jpeg(&header, &bytes, sent).unwrap();
+        assert_eq!(Some(&jpeg[..]), sent);
+        let masks = vec![vec![[0, 0], [320, 0], [320, 240], [0, 240]]];
+        let record = Record { size: Some([SIZE.0, SIZE.1]), masks, ..Record::default() };
+        let jpeg = PictureMaker::new(&record).jpeg(&header, &bytes, sent).unwrap();
+        assert_eq!(brightest(&jpeg, |_, _| true), 0);
     }
 
     #[test]
@@ -223,27 +244,28 @@ mod tests {
         let mask = vec![[10, 10], [50, 10], [50, 50]];
         let record = Record { size: Some([640, 480]), masks: vec![mask], ..Record::default() };
         let (header, bytes) = frame(|_, _| [255; 3]);
-        let jpeg = PictureMaker::new(&record).jpeg(&header, &bytes).unwrap();
+        let jpeg = PictureMaker::new(&record).jpeg(&header, &bytes, None).unwrap();
         assert_eq!(brightest(&jpeg, |_, _| true), 0);
     }
 
     #[test]
     fn a_picture_looks_as_the_frame_did_in_every_format() {
         let (header, bytes) = frame(|x, _| [x as u8 / 2, 100, 200]);
-        let jpeg = PictureMaker::new(&Record::default()).jpeg(&header, &bytes).unwrap();
+        let jpeg = PictureMaker::new(&Record::default()).jpeg(&header, &bytes, None).unwrap();
         let picture = decode(&jpeg).unwrap();
         assert_eq!((picture.width, picture.height), SIZE);
         let worst = picture.pixels.iter().zip(&bytes).map(|(is, was)| is.abs_diff(*was)).max();
         assert!(worst < Some(40), "{worst:?}");
         let yuyv = FrameHeader { stride: 2 * 320, colour_format: ColourFormat::Yuyv.code(), ..header };
-        let jpeg = PictureMaker::new(&Record::default()).jpeg(&yuyv, &vec![128; 320 * 240 * 2]).unwrap();
+        let jpeg =
+            PictureMaker::new(&Record::default()).jpeg(&yuyv, &vec![128; 320 * 240 * 2], None).unwrap();
         assert_eq!(decode(&jpeg).unwrap().width, 320);
     }
 
     #[test]
     fn a_frame_that_promises_more_than_it_has_is_refused() {
         let (header, bytes) = frame(|_, _| [0; 3]);
-        assert!(PictureMaker::new(&Record::default()).jpeg(&header, &bytes[1..]).is_err());
+        assert!(PictureMaker::new(&Record::default()).jpeg(&header, &bytes[1..], None).is_err());
         assert!(decode(b"no picture").is_err() || decode(b"no picture").unwrap().width == 0);
     }
 }

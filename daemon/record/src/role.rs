@@ -308,7 +308,7 @@ impl<N: Narrator> Recording<N> {
         self.has_pictures = true;
         let header = frame.header();
         let Ok(colour) = frame.colour() else { return };
-        let jpeg = match self.pictures.jpeg(header, colour) {
+        let jpeg = match self.pictures.jpeg(header, colour, frame.jpeg()) {
             Ok(jpeg) => jpeg,
             Err(error) => {
                 tracing::debug!(%error, "frame {} has no picture", header.stamp.seq);

@@ -143,6 +143,7 @@ impl Source for Device {
     fn describe(&self, header: &mut FrameHeader) {
         self.encoding.describe(self.format, header);
         header.dropped = self.reader.damaged;
+        header.jpeg_bytes = self.reader.jpeg_bytes;
     }
 
     fn next_picture(&mut self, picture: &mut [u8]) -> Result<Option<u64>, String> {

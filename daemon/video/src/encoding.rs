@@ -49,8 +49,14 @@ impl Encoding {
         }
     }
 
-    /// Bytes of a frame.
+    /// Bytes of a frame: its pixels, and room for the JPEG that they come from. No camera sends a byte for each pixel.
     pub(crate) fn frame_bytes(self, format: PictureFormat) -> usize {
+        let pixels = format.width as usize * format.height as usize;
+        self.colour_bytes(format) + if self == Self::Mjpeg { pixels } else { 0 }
+    }
+
+    /// Bytes of the pixels of a frame.
+    fn colour_bytes(self, format: PictureFormat) -> usize {
         let pixels = format.width as usize * format.height as usize;
         match self {
             Self::Yuyv => 2 * pixels,
@@ -94,6 +100,8 @@ pub(crate) fn choose<T>(
 pub(crate) struct Reader {
     /// The newest picture as it was sent, where it has to be decoded.
     jpeg: Mat,
+    /// How long it is behind the pixels of the newest frame; 0 where it is not there.
+    pub(crate) jpeg_bytes: u32,
     /// Pictures that were damaged since the last good one.
     pub(crate) damaged: u32,
 }
@@ -117,8 +125,11 @@ impl Reader {
             Encoding::Converted => read_in_place::<Vec3b>(capture, [height, width], frame),
             Encoding::Mjpeg => {
                 self.damaged = 0;
+                let (picture, room) = frame.split_at_mut(encoding.colour_bytes(format).min(frame.len()));
                 while capture.read(&mut self.jpeg).map_err(|error| error.to_string())? {
-                    if decode(&self.jpeg, format, frame)? {
+                    if decode(&self.jpeg, format, picture)? {
+                        let jpeg = self.jpeg.data_bytes().map_err(|error| error.to_string())?;
+                        self.jpeg_bytes = keep(jpeg, room);
                         return Ok(true);
                     }
                     self.damaged += 1;
@@ -158,10 +169,34 @@ fn decode(
     Ok(is_in_place && !frame.ends_with(&UNTOUCHED))
 }
 
-/// Whether the last bytes are the marker of an end. Some cameras fill up with zeros.
+/// Puts a JPEG into the room behind the pixels, and says how long it is; 0 where it does not fit, or where it is not one that every program reads.
+fn keep(jpeg: &[u8], room: &mut [u8]) -> u32 {
+    let jpeg = without_filling(jpeg);
+    match room.get_mut(..jpeg.len()) {
+        Some(place) if has_huffman_tables(jpeg) => {
+            place.copy_from_slice(jpeg);
+            // A frame has fewer bytes than this counts: each of its rows does.
+            jpeg.len() as u32
+        }
+        _ => 0,
+    }
+}
+
+/// Whether the tables come before the picture (ITU-T T.81, DHT before SOS). In Motion JPEG they may be left out, because all pictures have the same.
+fn has_huffman_tables(jpeg: &[u8]) -> bool {
+    let markers = jpeg.windows(2).take_while(|marker| *marker != [0xff, 0xda]);
+    markers.into_iter().any(|marker| marker == [0xff, 0xc4])
+}
+
+/// Whether the last bytes are the marker of an end.
 fn ends_as_jpeg(bytes: &[u8]) -> bool {
+    without_filling(bytes).ends_with(&[0xff, 0xd9])
+}
+
+/// Some cameras fill up with zeros.
+fn without_filling(bytes: &[u8]) -> &[u8] {
     let length = bytes.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
-    bytes[..length].ends_with(&[0xff, 0xd9])
+    &bytes[..length]
 }
 
 #[cfg(test)]
@@ -207,7 +242,7 @@ mod tests {
         for encoding in Encoding::allowed(Configured::Auto) {
             let mut header = FrameHeader::default();
             encoding.describe(FORMAT, &mut header);
-            assert_eq!(header.colour_bytes(), Some(encoding.frame_bytes(FORMAT)), "{encoding:?}");
+            assert_eq!(header.colour_bytes(), Some(encoding.colour_bytes(FORMAT)), "{encoding:?}");
             let frame = vec![128; encoding.frame_bytes(FORMAT)];
             assert!(andon_host::video::frame::view(&header, &frame).is_ok(), "{encoding:?}");
         }
@@ -227,9 +262,23 @@ mod tests {
     }
 
     #[test]
+    fn a_jpeg_is_kept_behind_the_pixels_unless_it_does_not_fit_or_lacks_its_tables() {
+        let file = jpeg(64, 48);
+        let file = file.as_slice();
+        let mut room = vec![0; file.len()];
+        assert_eq!(keep(&[file, &[0; 9]].concat(), &mut room) as usize, file.len());
+        assert_eq!(room, file);
+        assert_eq!(keep(file, &mut room[1..]), 0);
+        // Without its tables, as Motion JPEG allows: the first segment of them is skipped by its length.
+        let tables = file.windows(2).position(|marker| marker == [0xff, 0xc4]).unwrap();
+        let scan = file.windows(2).position(|marker| marker == [0xff, 0xda]).unwrap();
+        assert_eq!(keep(&[&file[..tables], &file[scan..]].concat(), &mut room), 0);
+    }
+
+    #[test]
     fn a_jpeg_is_decoded_and_a_damaged_one_or_one_of_another_size_is_noticed() {
         let decoded = |file: &[u8]| {
-            let mut frame = vec![7; Encoding::Mjpeg.frame_bytes(FORMAT)];
+            let mut frame = vec![7; Encoding::Mjpeg.colour_bytes(FORMAT)];
             let is_whole = decode(&Mat::from_slice(file).unwrap(), FORMAT, &mut frame).unwrap();
             (is_whole, [frame[0], frame[1], frame[2]])
         };

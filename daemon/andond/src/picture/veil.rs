@@ -50,7 +50,7 @@ impl Veil {
         let header =
             FrameHeader { width, height, stride: 3 * width, colour_format, ..FrameHeader::default() };
         let white = vec![u8::MAX; 3 * width as usize * height as usize];
-        let shown = decode(&self.maker.jpeg(&header, &white)?)?;
+        let shown = decode(&self.maker.jpeg(&header, &white, None)?)?;
         Ok(shown.pixels.chunks_exact(3).map(|pixel| pixel.iter().any(|level| *level < SEEN)).collect())
     }
 }

@@ -153,7 +153,7 @@ impl Record {
             "quality",
             &mut self.quality,
             within(30, 100, "(as JPEG counts it)"),
-            "Quality of the recorded pictures.",
+            "Quality of the recorded pictures. A camera's own JPEG is kept as it is, unless a part of it may not be seen.",
         );
         k.optional(
             "size",
