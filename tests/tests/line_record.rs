@@ -1,4 +1,4 @@
-//! The role `record`: what a line does can be looked at and judged again, with the same verdicts to the bit, whatever happened meanwhile.
+//! The role `record`: what a line does can be looked at and judged again, with the same verdicts bit for bit, whatever happened meanwhile.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_record::{End, Item, ReadError, RecordingReader, Topic, store};

@@ -38,7 +38,7 @@ fn activities() -> [Vec<Part>; 4] {
 struct Work {
     /// The activities in their order.
     order: Vec<usize>,
-    /// Each must come after the one before it, by its begin or its end, or may come at any time.
+    /// Each must come after the one before it, by its start or its end, or may come at any time.
     laws: u8,
     is_once: bool,
     allows_insertions: bool,

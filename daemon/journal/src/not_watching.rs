@@ -5,7 +5,7 @@ use rusqlite::params;
 use super::row::signed;
 use super::{Journal, JournalError};
 
-/// A row that has a begin and waits for its end.
+/// A row that has a start and waits for its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OpenRow(i64);
 

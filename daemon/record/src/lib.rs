@@ -1,15 +1,15 @@
 //! Recordings of a line: everything that its channels carry, so that each verdict can be looked at again, judged again and taught.
 //!
-//! A recording is an MCAP file. On `/raw/CHANNEL` lie the bytes of each message as they were in shared memory, with the layout hash as the schema,
-//! in the order in which the recorder received them. On `/losses` is what it did not get. Beside them is what viewers understand: `/camera`, `/log`,
-//! `/distance_over_threshold` and `/measure` ([`viewer`]). The configuration, the job and the calibration are attached, with the hashes of models and
-//! libraries. So it can be judged again on any machine.
+//! A recording is an MCAP file. On `/raw/CHANNEL` are the bytes of each message as they were in shared memory, in the order in which the recorder
+//! received them. Their schema is the layout hash. On `/losses` are the messages that it did not get. Beside them are topics that viewers understand:
+//! `/camera`, `/log`, `/distance_over_threshold` and `/measure` ([`viewer`]). The configuration, the job and the calibration are attached, with the
+//! hashes of models and libraries. So it can be judged again on any machine.
 //!
 //! The time of a message is that of the picture that it comes from; that of its sending is its publish time. Both are UTC in a file.
 //!
-//! [`role`] receives, [`recorder`] decides what is recorded, [`disk`] writes it in a thread of its own, [`store`] keeps the folder within its budget,
-//! [`reader`] reads, and [`repair`](repair()) completes what a kill has cut. Beside each recording lies its [`index`]. Where nothing is recorded,
-//! [`retention`] stands in the place of all that receives.
+//! [`role`] receives, [`recorder`] decides what is recorded, [`disk`] writes it in a thread of its own, and [`store`] keeps the folder within its
+//! budget. [`reader`] reads, and [`repair`](repair()) completes a recording that a kill has cut. Beside each recording lies its [`index`]. With
+//! `record.mode = "off"`, [`retention`] alone runs.
 #![forbid(unsafe_code)]
 
 pub mod disk;

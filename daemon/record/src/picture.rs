@@ -1,4 +1,4 @@
-//! Pictures of frames as JPEG, without what may not be seen.
+//! Pictures of frames as JPEG, with everything black that the masks cover.
 
 use std::borrow::Cow;
 

@@ -1,4 +1,4 @@
-//! Reads a recording from its begin to its end, also one that is cut: up to its last whole chunk.
+//! Reads a recording from start to end. One that is cut is read up to its last whole chunk.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -13,8 +13,8 @@ use mcap::{MAGIC, McapError, parse_record};
 use crate::topic::{Topic, layout};
 use crate::writer::{Attachment, Entry, PROFILE};
 
-/// No record of a recording is as long: a chunk ends after a megabyte and one message, and no picture and no job file has so much. What claims more is
-/// damaged, and must not claim the memory.
+/// The maximum length of a record. A chunk ends after a megabyte and one message, and no picture or job file is that large. A longer one is damaged,
+/// and must not claim the memory.
 const LONGEST: usize = 64 << 20;
 
 /// Why a recording cannot be used. Its message ends with the remedy.

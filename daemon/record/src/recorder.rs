@@ -12,17 +12,17 @@ use crate::writer::{Attachment, Entry};
 
 const SECOND: u64 = 1_000_000_000;
 
-/// Memory for everything but the pictures since the begin of a job: two and a half minutes at 30 frames per second.
+/// Memory for everything but the pictures since the start of a job: two and a half minutes at 30 frames per second.
 pub const MESSAGE_MEMORY: usize = 16 << 20;
 
-/// What lies before the begin of a job belongs to its clip, because it shows where the parts lay: for so long.
+/// A clip has this much time before the start of its job, because it shows where the parts lay.
 const LEAD_NS: u64 = 2 * SECOND;
 
-/// As many jobs are attached: more than come into force while one is done.
+/// How many jobs are attached at most: more than come into force while one is done.
 const JOBS: usize = 4;
 
-/// A clip lasts until its job has ended, so that the job can be taught; but no longer than this after its verdict. What has pictures then is only what
-/// is near a verdict.
+/// A clip lasts until its job has ended, so that the job can be taught; but no longer than this after its verdict. Then only what is near a verdict
+/// has pictures.
 const LONGEST_TAIL_NS: u64 = 120 * SECOND;
 
 /// Where recordings go.
@@ -78,8 +78,8 @@ struct Open {
     bytes: u64,
     /// In fault mode: until when its pictures are written.
     pictures_until_ns: u64,
-    /// In fault mode, after that time: from which place in the ring on nothing is written yet, which a kill would cost. Another fault may still want
-    /// the pictures of that, and each picture comes before what was detected in it.
+    /// In fault mode, after that time: the place in the ring from which on nothing is written yet. A kill would cost it. Another fault may still want
+    /// its pictures, and each picture comes before what was detected in it.
     waits_from: Option<u64>,
 }
 
@@ -182,14 +182,14 @@ impl<S: Sink> Recorder<S> {
         if self.open.is_none() {
             self.begin(entry.sent_ns);
             if is_standing {
-                // The begin has written it.
+                // It was written as the recording began.
                 return;
             }
         }
         self.write(entry);
     }
 
-    /// Near a fault everything is written at once. Else it waits until no fault can want its pictures any more, and is then written without them.
+    /// Near a fault everything is written at once. Else it waits until no fault can want its pictures any more. Then it is written without them.
     fn take_for_clip(&mut self, entry: Entry) {
         let sent_ns = entry.sent_ns;
         if let Some(open) = &mut self.open
@@ -478,7 +478,7 @@ mod tests {
         };
         assert_eq!(times(Topic::Picture), (200..=330).chain(400..=530).collect::<Vec<_>>());
         assert_eq!(times(Topic::Raw(Channel::Detections)), (0..600).collect::<Vec<_>>());
-        // A picture comes no later than what was detected in it, as who reads the clip from its begin needs it.
+        // A picture comes no later than what was detected in it, as a reader of the clip needs it.
         assert!(recording.is_sorted_by_key(|entry| entry.sent_ns));
         assert_eq!(recorder.sink().recordings.len(), 1);
     }

@@ -49,7 +49,7 @@ impl Part {
 }
 
 impl Ring {
-    /// A ring that takes so many bytes of memory for pictures, and so many for everything else.
+    /// A ring with this many bytes of memory for pictures, and this many for everything else.
     #[must_use]
     pub fn new(pictures: usize, others: usize) -> Self {
         Self { pictures: Part::new(pictures), others: Part::new(others), next: 0 }

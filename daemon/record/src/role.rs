@@ -206,7 +206,7 @@ macro_rules! drain {
 
 impl<N: Narrator> Role for Recording<N> {
     type Error = RecordError;
-    // Who has fallen silent is for those to say that need it.
+    // A silent writer is reported by the roles that need it.
     const INPUT_IS_STEADY: bool = false;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {

@@ -18,7 +18,7 @@ const ENDING: &str = "mcap";
 /// The form of what its name begins with: its number in the folder and its time, see [`stamp`].
 const FORM: &[u8] = b"00000000-00000000T000000.000Z";
 
-/// As many digits has the number: enough for a recording every ten seconds over thirty years.
+/// Digits of the number: enough for a recording every ten seconds over thirty years.
 const DIGITS: usize = 8;
 
 /// A recording in the folder.

@@ -285,7 +285,7 @@ impl<'p> Line<'p> {
         let knows_all = self.recorded.plan.is_from_start && self.recorded.plan.lost == 0;
         for (index, (computed, couples)) in of_run.into_iter().enumerate() {
             let same = sent.iter().find(|sent| sent.digest == computed);
-            // Where the begin of the encoder is not known, what comes out differs, and stands for what was sent in its place.
+            // Where the start of the encoder is not known, the couples differ, and stand for those that were sent.
             let id = same.or_else(|| sent.get(index)).map(|sent| sent.id);
             self.outcome.couples += u64::from(same.is_some());
             self.outcome.couples_differ += u64::from(same.is_none() && id.is_some());

@@ -1,7 +1,7 @@
-//! Recordings of the role `record`, judged again: from the detections on with the same result, to the bit, on any machine.
+//! Recordings of the role `record`, judged again: from the detections on with the same result, bit for bit, on any machine.
 //!
-//! A recording is read twice. The first time [`Plan`] finds out what the roles did: with which frame each encoder began, after which couples each
-//! command was obeyed, and with which couples each judge began. The second time [`again`] does the same to the detections.
+//! A recording is read twice. The first time [`Plan`] finds out what the roles did. It notes the first frame of each encoder, the first couples of
+//! each judge, and the couples after which each command was obeyed. The second time [`again`] does the same to the detections.
 
 pub mod again;
 mod piece;

@@ -57,7 +57,7 @@ impl Confirmed {
     }
 }
 
-/// What people have said, by verdict; of each the newest counts. The number of a row would mean another one in a journal that was begun anew.
+/// What people have said, by verdict; of each the newest counts. In a new journal the number of a row means another verdict.
 ///
 /// # Errors
 /// That the journal cannot be read.

@@ -58,7 +58,7 @@ pub(super) fn read(file: &mut (impl BufRead + Seek), length: u64) -> io::Result<
     Ok(Container { pictures: film.map(|_| pictures), turn: None, is_cut })
 }
 
-/// Name, length and begin of the element at this place; `None` where the file ends in it. A length that is not known is `None` too.
+/// Name, length and start of the element at this place; `None` where the file ends in it. A length that is not known is `None` too.
 fn element(file: &mut (impl BufRead + Seek), at: u64) -> io::Result<Option<(u32, Option<u64>, u64)>> {
     seek(file, at)?;
     let Some((name, name_bytes)) = number(file, false)? else { return Ok(None) };

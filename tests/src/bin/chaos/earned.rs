@@ -84,7 +84,7 @@ impl Earned<'_> {
         self.is_within(is_its_begin, is_its_end, began_ns, sent_ns)
     }
 
-    /// Whether a time lies between a begin and the end that follows on it.
+    /// Whether a time lies between a start and the end that follows it.
     fn is_within(
         &self,
         is_begin: impl Fn(&Told) -> bool,

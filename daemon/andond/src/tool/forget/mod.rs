@@ -37,7 +37,7 @@ pub fn run(arguments: &Forget) -> Result<Code, ToolError> {
     Ok(if written.is_empty() { Code::Stopped } else { Code::Declined })
 }
 
-/// First it is said, then it is done: nothing goes of which nobody knows. Returns those that a recorder writes, which stay.
+/// First it is said, then it is done: nothing is removed unsaid. Returns those that a recorder writes, which stay.
 fn remove_all(config: &Config, found: &[Recording], meant: &Meant) -> Result<Vec<PathBuf>, ToolError> {
     if !found.is_empty() {
         let what = format!("{} recordings to be removed: {}", found.len(), meant.words());

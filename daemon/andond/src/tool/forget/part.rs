@@ -1,5 +1,5 @@
-//! Which recordings show the work on a part. A verdict comes when the work is over, and its recording may have begun in the middle of it: so the
-//! recordings before it show the part as well, and so does one whose verdict was never sent.
+//! Which recordings show the work on a part. A verdict comes when the work is over, and its recording may have begun in the middle of the work. So
+//! recordings before it may show the part as well, and so may one whose verdict was never sent.
 
 use std::path::Path;
 

@@ -70,7 +70,7 @@ fn tell(path: &Path, plan: &Plan, outcome: &Outcome, judged: &[Verdict], names: 
     let judged: Vec<Verdict> = judged.iter().filter_map(as_sent).collect();
     let judged = judged.as_slice();
     let Agreement { equal, begin, end } = Agreement::of(&sent, judged);
-    eprintln!("as recorded: {equal} of {} verdicts are equal to the bit", sent.len());
+    eprintln!("as recorded: {equal} of {} verdicts are equal bit for bit", sent.len());
     if let Some(was) = sent.get(begin) {
         let words = |verdict: &Verdict| {
             format!("{} {}", on_recording(verdict.decided_ns), verdict_sentence(verdict, names))
@@ -79,7 +79,7 @@ fn tell(path: &Path, plan: &Plan, outcome: &Outcome, judged: &[Verdict], names: 
         eprintln!("the first that differs was\n{}\nand is\n{is}", words(was));
         match sent.len().checked_sub(end).and_then(|from| sent.get(from)) {
             Some(from) => eprintln!("all {end} verdicts from {} on are equal", on_recording(from.decided_ns)),
-            None => eprintln!("up to its end they do not become equal"),
+            None => eprintln!("they differ up to the end"),
         }
     }
     if let End::Cut(why) = &plan.end {
@@ -93,7 +93,7 @@ fn tell(path: &Path, plan: &Plan, outcome: &Outcome, judged: &[Verdict], names: 
     let others = differences(&plan.station.hashes, &hashes(&plan.station.config));
     if !others.is_empty() {
         eprintln!(
-            "{path} was made with another {}: what was detected is judged as it is in it, and would not be detected again to the bit",
+            "{path} was made with another {}: its detections are judged as they are, and detecting again would not give the same bits",
             others.join(", another ")
         );
     }
@@ -114,8 +114,8 @@ fn tell(path: &Path, plan: &Plan, outcome: &Outcome, judged: &[Verdict], names: 
     }
 }
 
-/// In what a recording was made with something else than there is here: the first word of each line that differs says what it is about. A recording
-/// that says nothing differs in nothing.
+/// What this machine has in another version than the one that made the recording. The first word of each line that differs names it. A recording
+/// without such lines differs in nothing.
 fn differences(then: &str, now: &str) -> Vec<&'static str> {
     let lines = |text: &str, word: &'static str| -> Vec<String> {
         let is_of_word = |line: &&str| match word {

@@ -7,14 +7,14 @@ use std::ops::Range;
 pub(super) struct Agreement {
     /// How many have come out again, in their order.
     pub(super) equal: usize,
-    /// How many at the begin are the same.
+    /// How many at the start are the same.
     pub(super) begin: usize,
-    /// How many at the end are the same, of those after the begin.
+    /// How many at the end are the same, of those after the start.
     pub(super) end: usize,
 }
 
-/// Of what differs, so many are compared with each other at most: a recording has some thousands of verdicts, and where most of them differ nobody
-/// needs the exact number.
+/// At most this many verdicts that differ are compared with each other. A recording has some thousands, and where most of them differ nobody needs
+/// the exact number.
 const COMPARED: usize = 4000;
 
 impl Agreement {
@@ -54,7 +54,7 @@ mod tests {
             ("abc", "abc", (3, 3, 0)),
             ("abc", "", (0, 0, 0)),
             ("abcdef", "abXdef", (5, 2, 3)),
-            // The begin is not known, and from the third on all is as it was.
+            // The start is not known, and from the third on all is as it was.
             ("abcdef", "XYcdef", (4, 0, 4)),
             ("abcdef", "Xcdef", (4, 0, 4)),
             ("abc", "XbY", (1, 0, 0)),

@@ -117,7 +117,7 @@ impl Record {
             "before_s",
             &mut self.before_s,
             within(1, 60, "s"),
-            "How long before a verdict its clip has pictures. What was detected is kept from the begin of the job on.",
+            "How long before a verdict its clip has pictures. What was detected is kept from the start of the job on.",
         );
         k.key(
             "after_s",
