@@ -45,8 +45,8 @@ pub(super) struct OpenActivity {
     /// Its number in the job, from 0.
     pub(super) number: u16,
     pub(super) step: Step,
-    /// The runs touch its part in other ways as well, or where the hand was not seen to come the other part, and require no step that begins so:
-    /// what is not like such a step is none.
+    /// One of its parts also has passive contacts in the runs: its own part or, where the hand was not seen to come, the other one. No required step
+    /// begins so. A touch that is unlike the steps is then no step.
     pub(super) may_differ: bool,
     /// The nominal activities that it is like so far, but for the part that the hand took.
     pub(super) like: ActivitySet,
@@ -88,8 +88,8 @@ pub(super) struct OpenActivity {
     end_frames: u32,
     /// All its IUs may have come before the newest one, which then belongs to another activity with the same part.
     may_have_ended: bool,
-    /// An object that it may use and that had not been seen up to some time in it, or 0 where it is not known which. What it looks like
-    /// without that is not known.
+    /// An object that it may use and that was unseen up to some time in it; 0 where it is not known which. What it looks like without that is not
+    /// known.
     pub(super) never_seen: Option<u16>,
     /// It may be the remainder of one because nothing was watched before it.
     pub(super) is_begun_late: bool,
@@ -150,8 +150,8 @@ impl OpenActivity {
         }
     }
 
-    /// Takes the context of the next IU and returns the number of that IU. Whether it is certain that it has happened; something may have come
-    /// and gone in some `hidden` frames before it; with `has_been_idle` the hand was certainly idle at some time since the IU before it.
+    /// Takes the context of the next IU and returns the number of that IU. Whether it is certain that it has happened. Something may have come and
+    /// gone in some `hidden` frames before it. With `has_been_idle` the hand was certainly idle at some time since the IU before it.
     pub(super) fn next_iu(
         &mut self,
         job: &Job<'_>,
@@ -398,8 +398,8 @@ impl OpenActivity {
         matches!(self.against, Against::Following(..)) && !self.is_concluded
     }
 
-    /// The context of the newest IU, which has parts of the job or not, agrees with these nominal activities, and with no other if it is certain
-    /// that it has happened. Returns whether it came between those of nominal activities that allow that, as it was seen.
+    /// The context of the newest IU, with parts of the job or without, agrees with these nominal activities. If the IU has certainly happened, it
+    /// agrees with no other. Returns whether it came between those of nominal activities that allow that, as it was seen.
     pub(super) fn agree(
         &mut self,
         job: &Job<'_>,
@@ -450,8 +450,8 @@ impl OpenActivity {
         self.nearest = nominal.or(self.nearest);
     }
 
-    /// After a fault: the nominal IU with this context that comes next, or else any before it, in the nominal activity that is followed, or else
-    /// in another one, which is followed then. Returns the indices of the nominal activity and of the IU in it.
+    /// After a fault: the nominal IU with this context that comes next in the nominal activity that is followed, or else any before it. If there is
+    /// none, it is one of another nominal activity, which is followed then. Returns the indices of the nominal activity and of the IU in it.
     pub(super) fn follow_on(&mut self, job: &Job<'_>, context: Context) -> Option<(usize, usize)> {
         let Against::Following(nominal, next) = self.against else { return None };
         let index = |nominal: usize, next| Some((nominal, index_from(job, nominal, next, context)?));
@@ -466,8 +466,8 @@ impl OpenActivity {
         self.step == Step::Untaught && job.passive_contacts.contains(&self.context.0[1])
     }
 
-    /// Whether there is no fault in it, whatever was not seen: the hand rests where it was shown to, or does that or a step that the job can do
-    /// without, and no order is broken.
+    /// Whether there is no fault in it, whatever was not seen. The hand rests where it was shown to, or it does a step that the job can do without,
+    /// and no order is broken.
     pub(super) fn can_be_no_fault(&self, job: &Job<'_>) -> bool {
         self.is_passive(job) || self.may_differ && self.broken.is_none()
     }
@@ -527,8 +527,8 @@ impl OpenActivity {
         }
     }
 
-    /// If no candidate has `context` where it was before the newest IU: follows the candidate that has it soonest after that, or else any before
-    /// it, or else the nearest so far.
+    /// For when no candidate has `context` where it was before the newest IU. Follows the candidate that has it soonest after that, or else any
+    /// before it, or else the nearest so far.
     pub(super) fn follow_nearest(&mut self, job: &Job<'_>, context: Context) {
         let candidates = self.candidates_before();
         let come = |nominal: usize| self.places_before[nominal].lowest().unwrap_or(0);

@@ -50,7 +50,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
-    /// Takes note of how well the hand is seen in the next couple, so many frames after the one before, before anything is decided on it.
+    /// Takes note of how well the hand is seen in the next couple, this many frames after the last, before anything is decided on it.
     pub(super) fn observe(&mut self, couple: &Couple, frames: u32, progress: &mut Progress<'a>) {
         self.doubt.observe(couple, frames);
         self.occlusions.skip(frames, couple);
@@ -404,7 +404,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         self.iu = None;
     }
 
-    /// The two parts were shown to rest beside each other but only passed, and no candidate goes on with the next context: it is not known
+    /// The runs show the two parts at rest beside each other. Here they only passed, and no candidate goes on with the next context: it is not known
     /// whether they touched.
     fn conclude_passing(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
         if let Some(activity) = &mut self.activity {
@@ -454,8 +454,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
-    /// The open IU is right: nominal activities of which it is certainly no IU are no candidates any more. Where in one the hand is, its motion does
-    /// not say: bounds are those of few people, and a place that they rule out would make the next context wrong.
+    /// The open IU is right: nominal activities of which it is certainly no IU are no candidates any more. The motion does not say where in one the
+    /// hand is. Bounds are those of few people, and a place that they rule out would make the next context wrong.
     fn keep_right(&mut self, observation: IuObservation) {
         let is_certain = self.iu.is_some_and(|iu| iu.is_certain);
         let Some(activity) = self.activity.as_mut().filter(|activity| !activity.candidates().is_empty())
@@ -477,8 +477,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         activity.keep(possible);
     }
 
-    /// Why too little is known of the open IU or activity: it is not watched any more, most of the frames that would have shown it never came, or
-    /// they did not show it. If all showed it, something before it was not seen.
+    /// Why too little is known of the open IU or activity. It is not watched any more, or most of its frames never came or did not show it. If all
+    /// showed it, something before it was not seen.
     pub(super) fn unseen_cause(&self, progress: &Progress<'a>) -> Cause {
         let min_captured = progress.job.min_captured;
         let is_uncaptured = |iu: OpenIu| 2 * iu.captured < iu.observation.frames;

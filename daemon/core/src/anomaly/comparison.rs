@@ -16,8 +16,8 @@ use crate::job::{Job, NominalIu, slowdown_factor};
 use crate::verdict::{Measure, Measured, Reason};
 use heapless::Vec;
 
-/// With free ends, an IU of two parts may have ended in any of as many frames before its last one: where the other hand ends their contact, this
-/// hand may go on before they are farther apart than the contact is wide. As many as a change takes to be believed by default.
+/// With free ends, an IU of two parts may have ended in any of this many frames before its last one. Where the other hand ends their contact, this
+/// hand may go on earlier, while the parts are still within the width of the contact. As many as a change takes to be believed by default.
 const BORDER_FRAMES: usize = 5;
 
 /// The comparison of the open IU with one nominal IU.

@@ -131,7 +131,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         self.lose_place();
     }
 
-    /// No IU is open in which the hand acts: there is none, or only a release state, or one of a step that was not shown.
+    /// No IU is open in which the hand acts. There is none, or only a release state, or one of a step that was not shown.
     pub(super) fn is_resting(&self) -> bool {
         let is_untaught = self.activity.as_ref().is_some_and(|activity| activity.step == Step::Untaught);
         self.iu.is_none_or(|iu| iu.is_concluded && (is_untaught || iu.context.is_release()))

@@ -3,8 +3,8 @@
 use crate::config::Method;
 use crate::couple::{Context, Couple, Unseen};
 
-/// After this many times `persist_frames` without contact a hand is certainly empty: once until a contact is known again behind a gap, once until it
-/// is believed, and once in which the hand comes to rest at what it takes.
+/// After this many times `persist_frames` without contact a hand is certainly empty. The first passes until a contact is known again behind a gap,
+/// and the second until it is believed. In the third the hand comes to rest at what it takes.
 const IDLE_PERSISTS: u32 = 3;
 
 /// What was not seen of one hand, as far as a verdict may depend on it.
@@ -17,8 +17,8 @@ pub(super) struct HandDoubt {
     hidden_frames: u32,
     /// How many frames up to the newest one were not clear, or up to the one before if the newest is clear.
     gap: u32,
-    /// How many frames up to the newest one were clear, and more if it is not known that there was one before them that was not; `None` if the
-    /// hand has not been seen.
+    /// How many frames up to the newest one were clear, and more if none before them is known to have been unclear; `None` if the hand has not been
+    /// seen.
     clear_frames: Option<u32>,
     /// How many frames were not clear just before those.
     hidden_before_clear: u32,
@@ -114,7 +114,7 @@ impl HandDoubt {
         self.newly_hidden = if is_doubtful { frames.saturating_add(before) } else { 0 };
         // Only frames that show something make a change believable.
         self.since_doubt = if is_doubtful { 0 } else { self.since_doubt.saturating_add(is_clear.into()) };
-        // What a hand already acts with may have been at an object that is only now seen, whether the start of the job was seen or not.
+        // The part in a hand may already have been at an object that is seen only now, even if the start of the job was seen.
         let is_new = couple.lacks(Unseen::ARRIVAL);
         let appears = is_new && !self.was_object_new && self.context.is_touch();
         self.was_object_new = is_new;
@@ -160,8 +160,8 @@ impl HandDoubt {
         self.certain.is_some() && self.since_certain == 0
     }
 
-    /// The newest couple is not doubtful, what the hand acts on is not new, and before it the hand was certainly idle, for longer than it takes
-    /// to see that it holds something.
+    /// The newest couple is not doubtful, and the hand acts on nothing new. Before it the hand was certainly idle, for longer than it takes to see
+    /// that it holds something.
     pub(super) fn was_idle(&self) -> bool {
         self.is_idle_for_long() && !self.is_doubtful() && !self.is_object_new
     }
@@ -176,8 +176,8 @@ impl HandDoubt {
         IDLE_PERSISTS * self.persist_frames
     }
 
-    /// Into as many hidden frames fits that the hand lets go of all: it is idle until that is believed, and a gap counts for as
-    /// many frames more, in which something before it may have been overlooked.
+    /// In this many hidden frames the hand may have let go of everything. It is idle until that is believed. A gap counts for as many frames more, in
+    /// which something before it may have been overlooked.
     pub(super) fn end_frames(&self) -> u32 {
         2 * self.persist_frames
     }
@@ -206,8 +206,8 @@ impl HandDoubt {
         }
     }
 
-    /// [`hidden_before`](Self::hidden_before) for an activity that begins with this context: it may be the remainder of one with the same object,
-    /// and may have begun before it was seen that the hand holds something. Takes note of whether it may be a remainder.
+    /// [`hidden_before`](Self::hidden_before) for an activity that begins with this context. It may be the remainder of one with the same object, or
+    /// may have begun before the hand was seen to hold something. Takes note of whether it may be a remainder.
     pub(super) fn begin_activity(&mut self, context: Context) -> u32 {
         let is_same = self.certain.is_some_and(|certain| certain.o_j() == context.0[1]);
         let is_remainder =
@@ -240,7 +240,7 @@ impl HandDoubt {
         (self.context.is_touch() && self.context.o_j() == self.unjudged).then_some(self.unjudged)
     }
 
-    /// Whether an IU that begins with this context may have begun before: it goes on from before a doubt, or an object was seen for the first time.
+    /// Whether an IU that begins with this context may have begun before. It goes on from before a doubt, or an object was seen for the first time.
     pub(super) fn may_go_on(&self, context: Context) -> bool {
         self.is_object_new || self.is_doubtful() && self.certain.is_none_or(|certain| certain == context)
     }
@@ -255,7 +255,7 @@ impl HandDoubt {
         context.is_touch() && self.may_go_on(context)
     }
 
-    /// How long the hand has been hidden; 0 for a hand that has never been seen, because the bench may be worked at with one hand.
+    /// How long the hand has been hidden. It is 0 for a hand that has never been seen, because one hand may do the work alone.
     pub(super) fn hidden_frames(&self) -> u32 {
         self.clear_frames.map_or(0, |_| self.gap)
     }

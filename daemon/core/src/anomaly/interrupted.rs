@@ -1,4 +1,4 @@
-//! A hand that lets go in the middle of an activity and takes the same part again, in the same context, goes on with the IU: it corrects its grip.
+//! A hand corrects its grip: it lets go in the middle of an activity and takes the same part again, in the same context. The IU goes on.
 //!
 //! Nothing that the runs prove says that a hand never lets go. So the IU has its verdict only when something else begins, unless it is certainly
 //! wrong before. An activity in which the job has the same IU twice counts it twice.
@@ -22,7 +22,7 @@ pub(super) struct Interrupted {
 }
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
-    /// Whether the hand, which lets go now, has certainly not come to the end of its activity, and no IU in the same context comes next.
+    /// Whether the hand, which lets go now, is certainly not at the end of its activity, and no IU in the same context comes next.
     pub(super) fn may_be_interrupted(&self, progress: &Progress<'a>) -> bool {
         let Some((open, activity)) = self.iu.zip(self.activity.as_ref()) else { return false };
         let is_of_step = matches!(activity.step, Step::Shown(_)) && activity.against == Against::Candidates;

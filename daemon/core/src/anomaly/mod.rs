@@ -13,8 +13,8 @@
 //! - *Nearest*: the nominal activity with the smallest ratio of distance to threshold, or, where motions say nothing, the one that has the
 //!   context soonest.
 //! - *Matched*: the activity has reached the last IU of a candidate. It *waits* for its verdict while a longer candidate may go on.
-//! - *Out of order*: an activity that breaks a law of the job ([`Law`](crate::job::Law)): another one must have begun or ended before it, or
-//!   it must not come again.
+//! - *Out of order*: an activity that breaks a law of the job ([`Law`](crate::job::Law)). Another one must have begun or ended before it, or it must
+//!   not come again.
 //! - *In place of a step*: one that was not shown has done, with another part, the strokes of one that must come now. The part is wrong. Without
 //!   strokes it is once that one is missed: where another one comes that must come behind it, or at the end of the job.
 //! - *Step*: what an activity is to the job. One that was not shown, with parts of the job, breaks no law and is not judged: a *note* asks
@@ -23,21 +23,21 @@
 //!   at its beginning: it lasts until the next touch, which says nothing about the work.
 //! - *Settle*: to decide on an activity once all events of one frame have been taken for both hands.
 //! - *Doubtful*: so little was seen that a context may have come, gone or been another one ([`Unseen::CHANGE`]).
-//! - *Certain*: seen well enough that it has happened. An IU that began in doubt becomes certain, and is judged as any other, once its
-//!   context has been shown without doubt; what was hidden before lies before it.
+//! - *Certain*: seen well enough that it has happened. An IU that began in doubt becomes certain, and is judged as any other, once its context has
+//!   been shown without doubt. What was hidden before lies before it.
 //! - *Ambiguous object*: another one that the hand may have taken, because it was hidden or not seen yet when the hand took `o_j`
 //!   ([`Unseen::TAKING`]). It is none any more when it is seen where it lay and the hand was not near it meanwhile.
 //! - *Start seen*: nothing of the open job can have happened before what was seen of it. Otherwise what is missing accuses nobody.
 //! - *Conclude*: to give the verdict on an IU, an activity or a job, which happens exactly once. A verdict is *early* if it is given
 //!   before the end.
 //!
-//! What the paper leaves open: `C`, `L` and `i` start again with every activity; an IU is wrong as soon as the minimum of the newest
-//! DTW row, and with free ends the distances in its last five frames, are above the thresholds of all comparisons, because that minimum never
-//! falls; lengths and reversals have taught bounds, because DTW forgives a repeated motion that is cut short; and how long the hand rests at
-//! either end of an IU is not compared as motion ([`Job::has_free_ends`]), because DTW, which pairs ends with ends, would pair such a rest
-//! with motion in a run that has none. A hand that touches what an activity moves first, moves nothing and lets go has not begun it: no IU.
-//! A hand that lets go in the middle of an activity and takes the same part again goes on with the IU (`interrupted`). One that takes again what it
-//! has put down, and lets go of it, puts it right (`grip`).
+//! What the paper leaves open is decided as follows. `C`, `L` and `i` start again with every activity. An IU is wrong as soon as the minimum of the
+//! newest DTW row is above the thresholds of all comparisons: it never falls. With free ends the distances in its last five frames must be so as
+//! well. Lengths and reversals have taught bounds, because DTW forgives a repeated motion that is cut short. How long the hand rests at either end of
+//! an IU is not compared as motion ([`Job::has_free_ends`]). DTW pairs ends with ends, and would pair such a rest with motion in a run that has none.
+//! A hand that touches what an activity moves first, moves nothing and lets go has not begun it: no IU. A hand that lets go in the middle of an
+//! activity and takes the same part again goes on with the IU (`interrupted`). One that takes again what it has put down, and lets go of it, puts it
+//! right (`grip`).
 //!
 //! # Doubt
 //!
@@ -46,26 +46,26 @@
 //!
 //! - *Where a hand is in an activity* is the set of its places (`places`). What takes less than twice as long as a gap may have come in it. An IU
 //!   that may not have happened leaves the places before it and those after it.
-//! - *What has come of a job* lies between what was judged and that with what may have come unseen (`progress`): what was hidden for half as
-//!   long as the quickest person needs, what may have come before the first frame, what a part that was never seen is used for. A law is broken,
-//!   and a step is missing, only if it is so at the wider end; the job is right only if it is so at the narrower one. The bench takes away: what
-//!   lies where the job begins has not come.
-//! - *A measure* lies between what was seen and that with what fits into the gaps (`observation`): strokes, path and frames that were hidden, ends
-//!   that may have shifted, the time in which the hand may have waited. It is wrong if all of it is out of its bounds.
-//! - *A DTW distance* over a gap is the least that any motion there could have led to. An IU of which less than half was measured is never right,
-//!   and one of which fewer frames were captured than the job needs ([`Job::min_captured`]) is neither right nor wrong.
+//! - *What has come of a job* lies between what was judged and that with what may have come unseen (`progress`). Unseen may have come what was hidden
+//!   for half as long as the quickest person needs. So may what came before the first frame, and what a part that was never seen is used for. A law
+//!   is broken, and a step is missing, only if it is so at the wider end. The job is right only if it is so at the narrower one. The bench takes
+//!   away: what lies where the job begins has not come.
+//! - *A measure* lies between what was seen and that with what fits into the gaps (`observation`). Strokes, path and frames may have been hidden,
+//!   ends may have shifted, and the hand may have waited. It is wrong if all of it is out of its bounds.
+//! - *A DTW distance* over a gap is the least that any motion there could have led to. An IU of which less than half was measured is never right. One
+//!   of which fewer frames were captured than the job needs ([`Job::min_captured`]) is neither right nor wrong.
 //!
 //! Three things widen the doubt beyond a gap. An activity that was not judged may go on with the same part, unless the hand was certainly idle
-//! (`hand_doubt`). What a hand is in the middle of may have ended, and what came again, or after all had come, may be of the next piece: each is a set
-//! that only ever excuses (`progress`). And where nobody watched for as long as the quickest person needs to end this piece and to begin another one
-//! up to what is seen next, that may be another piece: no job is right that spans it.
+//! (`hand_doubt`). An activity in progress may have ended, and one that came again, or after all had come, may be of the next piece. Each is a set
+//! that only ever excuses (`progress`). Where nobody watched for long enough, what is seen next may be of another piece. That is how long the
+//! quickest person needs to end this piece and to come so far in another. No job is right that spans such a gap.
 //!
-//! What is not judged says what was missing, and for how long ([`Missing`](crate::verdict::Missing)): that of which most was missing in what it
-//! depends on and in the doubt before it. An activity and a job have the first such thing in them.
+//! A verdict of *not judged* says what was missing, and for how long ([`Missing`](crate::verdict::Missing)). It names what was missing most in all
+//! that it depends on, and in the doubt before it. An activity and a job name the first such thing in them.
 //!
-//! What is assumed, so that more is judged, is said where it is: hidden strokes go on at the pace of those that were seen, in at most a quarter of an
-//! IU (`observation`); the first step that is seen begins its piece, and both hands are at the same piece
-//! (`progress::order`); what was not seen keeps the order of six runs or more (`progress`).
+//! Some things are assumed, so that more is judged. Hidden strokes go on at the pace of those that were seen, in at most a quarter of an IU
+//! (`observation`). The first step that is seen begins its piece, and both hands are at the same piece (`progress::order`). What was not seen keeps
+//! the order of six runs or more (`progress`).
 
 mod activity;
 mod algorithm;
@@ -116,8 +116,8 @@ pub enum Unusable {
         /// How many IUs it has.
         given: usize,
     },
-    /// An IU has an idle context, no reference or one longer than [`IU_FRAMES`] (a release state needs none), a threshold that is
-    /// negative or not a number, or bounds with a minimum above the maximum; or the first IU is not a touch.
+    /// An IU has an idle context, or no reference (a release state needs none), or one longer than [`IU_FRAMES`]. Or its threshold is negative or not
+    /// a number, or bounds have a minimum above the maximum. Or the first IU is not a touch.
     Iu {
         /// Index of the nominal activity in the job, from 0.
         nominal: usize,
@@ -197,10 +197,10 @@ impl Event {
 ///
 /// Every IU, every activity and every job gets exactly one verdict. Touches that turn out to begin none of them get none, and a job of such touches
 /// only has not begun.
-/// - An IU gets it as soon as its context fits no candidate, its motion fits none any more, or it is too long or out of sight; else
-///   at its end. A release state gets it when it begins.
-/// - An activity gets it with its first wrong IU, or as soon as all its candidates are out of order, or when it has matched a
-///   candidate and no longer one can go on; else when the next activity begins.
+/// - An IU gets it early if its context or its motion fits no candidate, or if it is too long or out of sight. Else it gets it at its end. A release
+///   state gets it when it begins.
+/// - An activity gets it with its first wrong IU, or as soon as all its candidates are out of order. It also does when it has matched a candidate and
+///   no longer one can go on. Else it gets it when the next activity begins.
 /// - A job gets it when all its activities have come, right or wrong, or at its end. The reason is that of its first fault. A wrong
 ///   activity may be done again before that, but the job remains an anomaly.
 #[derive(Clone, Debug)]
@@ -289,8 +289,8 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         self.segmenter.is_between_jobs()
     }
 
-    /// Takes the next couples. Where some are missing before them, as those that were on their way when the encoder ended and started again,
-    /// nothing was seen; what was not seen for longer than `blind_ms` is out of sight. An encoder that has started again does not see at once
+    /// Takes the next couples. Where some are missing before them, nothing was seen. So it is with those that were on their way when the encoder
+    /// ended and started again. What was not seen for longer than `blind_ms` is out of sight. An encoder that has started again does not see at once
     /// what a hand holds.
     pub fn step(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
         let couples = &self.bench.progress.of_job(couples);

@@ -3,8 +3,7 @@
 use crate::segment::{FRAMES_PER_REVERSAL, Measures};
 use crate::verdict::Reason;
 
-/// How far a bound gives way, as a multiple of the share of the IU that was not seen: what was hidden may have been twice as fast as
-/// the rest.
+/// How far a bound gives way, as a multiple of the unseen share of the IU. Hidden motion may have been twice as fast as seen motion.
 pub(super) const HIDDEN_SLACK: f32 = 2.0;
 
 /// How long the IU is, what it measures, and what was not seen of it.
@@ -63,14 +62,13 @@ impl IuObservation {
         hidden.max(self.measures.cut_reversals).saturating_add(self.gap_before / FRAMES_PER_REVERSAL)
     }
 
-    /// How many reversals were hidden within the IU if the hand went on at the pace at which it was seen; none where so much was hidden that
-    /// this is not known. What happened before it or after it is not known.
+    /// How many reversals were hidden within the IU, if the hand went on at the pace at which it was seen. None where too much was hidden to know.
+    /// What happened before it or after it is not known.
     pub(super) fn assumed_reversals(&self) -> u32 {
         if self.measures.hidden > MAX_ASSUMED { 0 } else { self.measures.hidden_reversals_at_pace() }
     }
 
-    /// In how much of the IU something may have happened that was not seen, as a share of its frames; more than 1 if most of it lies in
-    /// a gap.
+    /// The share of the IU's frames in which something may have happened unseen; more than 1 if most of it lies in a gap.
     pub(super) fn hidden(&self) -> f32 {
         let gaps = self.gap_before.saturating_add(self.gap_after);
         self.measures.hidden + gaps as f32 / self.frames.max(1) as f32
@@ -81,8 +79,8 @@ impl IuObservation {
         2 * self.measured.saturating_sub(self.waited) >= self.worked_frames()
     }
 
-    /// Whether what was not seen may explain this reason. A part of an IU may be too short, or another motion. What was hidden in the
-    /// middle was counted as if it were right; but two IUs in the same context may seem to be one if the one between them was hidden.
+    /// Whether what was not seen may explain this reason. A part of an IU may be too short, or another motion. Frames that were hidden in the middle
+    /// were counted as if they were right. But two IUs in the same context may seem to be one if the one between them was hidden.
     pub(super) fn explains(&self, reason: Reason, is_unique: bool) -> bool {
         match reason {
             Reason::None => false,

@@ -1,4 +1,4 @@
-//! What did not show what a hand acts on: frames that never came, or frames in which it was hidden; and what is said of that.
+//! Frames that did not show what a hand acts on, because they never came or because it was hidden, and how a verdict names them.
 //!
 //! Couples that never come count as frames in which nothing was seen. An `encode` that starts again loses what it held back, and an IU
 //! would seem too short without them.
@@ -125,8 +125,8 @@ impl OcclusionLog {
         }
     }
 
-    /// Why too little is known of what these hands did, as far as it is that frames never came or did not show it: whichever are more.
-    /// `None` where all frames came and showed everything.
+    /// Why too little is known of what these hands did: frames that never came or frames that did not show it, whichever are more. `None` where all
+    /// frames came and showed everything.
     pub(super) fn cause(logs: &[Self], min_captured: f32) -> Option<Cause> {
         let uncaptured = logs.iter().max_by_key(|log| log.uncaptured)?;
         let captured = logs.iter().max_by_key(|log| log.captured)?;

@@ -31,8 +31,8 @@ impl Places {
         Self(1).or_later(hidden, nominal)
     }
 
-    /// Those of these places at which the hand is idle before the next IU: at the beginning, after it has let go, and between two IUs in the
-    /// same context, because what no hand touches stays as it is.
+    /// Those of these places at which the hand is idle before the next IU. These are the beginning, any after it has let go, and any between two IUs
+    /// in the same context: what no hand touches stays as it is.
     pub(super) fn after_idle(self, nominal: &[NominalIu<'_>]) -> Self {
         let is_idle = |ius: &usize| match nominal.get(ius.wrapping_sub(1)..=*ius) {
             Some([before, next]) => before.context.is_release() || before.context == next.context,
@@ -67,7 +67,7 @@ impl Places {
         }
         let has_context = |index: usize| nominal[index].context == context;
         let next = (0..nominal.len()).filter(|index| before.contains(*index) && has_context(*index));
-        // After an IU that may not have happened, the one before it may go on, and so may one that was not seen for a while.
+        // After an IU that may not have happened, the one before it may go on. So may one that was not seen for a while.
         let going_on = match transition {
             Transition { was_doubtful: true, .. } => before,
             Transition { hidden: 0, .. } => Self::NONE,

@@ -23,7 +23,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if activity.is_concluded || has_no_place || !is_certain || may_give_up {
             return;
         }
-        // Wherever in it the hand may be, it is too early for all of it while the bench shows that what comes before has not been done.
+        // While the bench shows that an earlier activity has not been done, it is too early for any place in this one.
         let side = self.side;
         let fault_of_all = |progress: &Progress<'a>| {
             let mut faults = candidates.iter().map(|nominal| {

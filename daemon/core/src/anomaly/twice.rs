@@ -44,8 +44,8 @@ impl Twice {
         place.into_iter().for_each(|place| *place = Some(new));
     }
 
-    /// The same event, with a marker that is in view twice as the reason of a verdict that was not given because of it: where it is known which
-    /// object was missing this object's, else the one that came last.
+    /// The same event. If it is not judged because a marker is in view twice, that marker is the reason. It is that of the missing object where this
+    /// is known, else the one that came last.
     pub(super) fn named(&self, event: Event) -> Event {
         let Event::Verdict(verdict) = event else { return event };
         let twins = self.twins.iter().flatten().filter(|twin| twin.explains(&verdict));

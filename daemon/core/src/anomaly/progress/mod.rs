@@ -127,8 +127,8 @@ pub(super) struct Progress<'a> {
     state: JobState,
     /// The activities that may have come unseen since the last job ended.
     unseen: ActivitySet,
-    /// The activities that the newest frame shows not to have been done, and those that some frame has shown so between the last job and the
-    /// first touch of this one.
+    /// Activities that the newest frame shows not to have been done, then those that some frame has shown so between the last job and the first touch
+    /// of this one.
     seen_undone: ActivitySet,
     undone_first: ActivitySet,
     /// The activities that use an object which has not been seen since the last job ended or the encoder started; `None` before the first frame.
@@ -219,13 +219,13 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// The activities that the bench shows not to have come in this job: what they move for good lies where it lay, and has not been away.
+    /// The activities that the bench shows not to have come in this job. What they move for good lies where it lay, and has not been away.
     fn undone(&self) -> ActivitySet {
         self.seen_undone.without(self.state.left)
     }
 
-    /// Whether the bench has been set for the next piece: what an activity that was judged moves for good lies where the job began again,
-    /// after it had been away, with all that lay there then.
+    /// Whether the bench has been set for the next piece. A part that a judged activity moves for good has been away. It lies again where the job
+    /// began, and so does all that lay there then.
     pub(super) fn is_set_anew(&self) -> bool {
         let is_back = self.seen_undone & self.state.left;
         self.state.is_open
@@ -317,7 +317,7 @@ impl<'a> Progress<'a> {
         all.map(|nominal| usize::from(nominal.activity)).collect()
     }
 
-    /// The hand that was shown to begin an activity with this context: this one, or the other one if what that does there is still to come.
+    /// The hand that was shown to begin an activity with this context. It is this one, or the other one if its activity there is still to come.
     pub(super) fn shown_hand(&self, side: Side, context: Context) -> Option<Side> {
         let other = side.other();
         let of_other = self.opening(context.by_hand(other));
@@ -370,7 +370,8 @@ impl<'a> Progress<'a> {
         all.iter().fold(ActivitySet::EMPTY, |set, _| step(set))
     }
 
-    /// The activities that came behind one of these in all of so many runs that it is no chance: what was not seen is assumed to have kept to that.
+    /// The activities that came behind one of these in all runs, which are too many for chance. It is assumed that what was not seen has kept to
+    /// that.
     fn usually_behind(&self, activities: ActivitySet) -> ActivitySet {
         let is_behind = |activity: &usize| {
             let law = self.job.law(*activity);
@@ -389,7 +390,7 @@ impl<'a> Progress<'a> {
         self.unseen | self.state.may_precede
     }
 
-    /// The number in this job of an activity that this hand begins; whether it was seen to begin then, and is a step of the job.
+    /// The number in this job of an activity that this hand begins, whether it was seen to begin then, and whether it is a step.
     pub(super) fn next_activity(
         &mut self,
         side: Side,
@@ -425,7 +426,7 @@ impl<'a> Progress<'a> {
         self.state.given_up = self.state.given_up.saturating_add(1);
     }
 
-    /// Whether the open job has not begun after all: the touch with which it began was no activity, and nothing else has come or may have.
+    /// Whether the open job has not begun after all. The touch with which it began was no activity, and nothing else has come or may have.
     fn is_given_up(&self) -> bool {
         let state = &self.state;
         let has_come = state.fault.is_some() || state.first_unjudged.is_some();

@@ -1,7 +1,7 @@
 //! Where one job ends and the next one begins.
 //!
-//! A part that was moved while it was hidden was put there by a hand: as the next piece, or as the first half of the next job. So what a
-//! hand begins with it may be the remainder of something unseen, also after a job that was right.
+//! A part that was moved while it was hidden was put there by a hand. It is the next piece, or the first half of the next job. So what a hand begins
+//! with it may be the remainder of something unseen, also after a job that was right.
 //!
 //! A job that breaks off, as where `enable` is switched off or a source starts again, accuses nobody of what is missing. Nobody said that
 //! the piece will not be completed.
@@ -15,12 +15,12 @@ use crate::input::Side;
 use crate::set::ActivitySet;
 
 impl Progress<'_> {
-    /// Whether an activity that begins with this context belongs to the next job: one that has been done comes again, and none that is
-    /// left begins like it. Where the job has an order, only one of its first activities begins a job, and only if others came after them
-    /// or if the bench was rearranged; else it is done twice. A bench that is set as it was at first is that of the next piece. A job whose
-    /// start was not seen ends wherever a first activity begins that may have come before. A job with a fault also ends where the bench is
-    /// rearranged: there is no other sign of its end if something was done instead of an activity. Takes note of an end that is only assumed,
-    /// as where the hand may only go on with what it did before a doubt.
+    /// Whether an activity that begins with this context belongs to the next job. It has been done already, and none that is left begins like it.
+    /// Where the job has an order, only one of its first activities begins a job. Others must have come after them, or the bench must have been
+    /// rearranged; else it is done twice. A bench that is set as it was at first is that of the next piece. A job whose start was not seen ends
+    /// wherever a first activity begins that may have come before. A job with a fault also ends where the bench is rearranged. If something was done
+    /// instead of an activity, its end has no other sign. Takes note of an end that is only assumed, as where the hand may only go on with what it
+    /// did before a doubt.
     pub(in crate::anomaly) fn begins_next_job(
         &mut self,
         side: Side,
@@ -68,8 +68,8 @@ impl Progress<'_> {
         self.state.is_end_assumed
     }
 
-    /// Whether a touch with this context belongs to the job although all that it requires has come: an optional activity that may still
-    /// come, or a step that is none of the job's.
+    /// Whether a touch with this context belongs to the job although all that it requires has come. It is an optional activity that may still come,
+    /// or a step that is none of the job's.
     pub(in crate::anomaly) fn goes_on_with(&self, context: Context, is_disturbed: bool) -> bool {
         let opening =
             Side::ALL.iter().fold(ActivitySet::EMPTY, |all, side| all | self.opening(context.by_hand(*side)));

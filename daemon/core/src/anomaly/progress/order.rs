@@ -18,8 +18,8 @@ impl Progress<'_> {
         next.next().filter(|_| self.has_order() && next.next().is_none())
     }
 
-    /// Why this hand may not do a nominal activity now: it was done already, or a law puts it behind an activity that has not come, and
-    /// cannot have come unseen.
+    /// Why this hand may not do a nominal activity now. It was done already, or a law puts it behind an activity that has not come, and cannot have
+    /// come unseen.
     pub(in crate::anomaly) fn order_fault(&self, side: Side, nominal: usize) -> Option<BrokenOrder> {
         let activity = usize::from(self.number(nominal)?);
         let law = self.job.law(activity);
@@ -88,8 +88,8 @@ impl Progress<'_> {
         broken.fault == OrderFault::NotBegun && self.undone_first.contains(broken.activity.into())
     }
 
-    /// Whether a nominal activity of this hand that is in order may belong to another job than the open one: it must not come again and comes
-    /// again, or one that must come behind it was right, because this one may have come unseen. If it was not the other job's, the order was wrong.
+    /// Whether a nominal activity of this hand that is in order may belong to another job than the open one. It comes again although it must not. Or
+    /// one that must come behind it was right, because this one may have come unseen. If it was not the other job's, the order was wrong.
     pub(in crate::anomaly) fn may_be_of_another_job(&self, side: Side, nominal: usize) -> bool {
         self.number(nominal).map(usize::from).is_some_and(|activity| {
             let comes_again = self.job.law(activity).is_once && self.state.done.contains(activity);
@@ -154,9 +154,9 @@ impl Progress<'_> {
         law.is_once && !self.state.done.contains(activity) && !self.may_be_next_job(side)
     }
 
-    /// Whether all that is left may have come unseen, so that what comes again, or late, belongs to the next job. Two things are assumed: a job
-    /// began with the first activity that was seen, if it is one with which a job begins; and what comes once and is what the other hand is in the
-    /// middle of has not come, as both hands are at the same piece. Without them 15 of 19 faults of real people are found, and with them 17.
+    /// Whether all that is left may have come unseen, so that what comes again, or late, belongs to the next job. Two things are assumed. A job began
+    /// with the first activity that was seen, if it is one with which a job begins. Both hands are at the same piece: an activity that comes once,
+    /// and that the other hand is in the middle of, has not come. Without them 15 of 19 faults of real people are found, and with them 17.
     fn may_be_next_job(&self, side: Side) -> bool {
         let left = self.state.required.without(self.state.begins[side.index()].came);
         let possibly = if self.state.is_start_seen { self.unseen } else { self.possibly() };
@@ -170,7 +170,7 @@ impl Progress<'_> {
         self.state.unjudged | self.state.may_have_ended[side.other().index()]
     }
 
-    /// Whether a nominal activity of this hand that has just come may come once more: as a step that may, or as one of the next job.
+    /// Whether a nominal activity of this hand that has just come may come again, as a repeatable step or as one of the next job.
     pub(in crate::anomaly) fn may_come_again(&self, side: Side, nominal: usize) -> bool {
         let Some(activity) = self.number(nominal).map(usize::from) else { return false };
         let came = self.state.done | self.state.wrong | ActivitySet::of(activity);

@@ -10,8 +10,8 @@ use crate::set::ActivitySet;
 use crate::verdict::Reason;
 
 impl Progress<'_> {
-    /// Objects have moved without a hand. In the middle of a job that may be a part of it, or the next piece; before its first step, the step
-    /// may have been hidden.
+    /// Objects have moved without a hand. In the middle of a job that may be a part of it, or the next piece. Before its first step, the step may
+    /// have been hidden.
     pub(in crate::anomaly) fn set_moved_unseen(&mut self) {
         if self.state.is_open && self.state.activities > 0 && !self.is_matched() {
             if self.state.first_step.is_some() {
@@ -60,7 +60,7 @@ impl Progress<'_> {
         (self.is_broken_off, self.state.left, self.unseen) = (true, self.all, self.all);
     }
 
-    /// The object that was never seen in this job and that an activity uses which may be what a hand does with this `object`; 0 where it is not
+    /// What a hand does with this `object` may be an activity that also uses an object never seen in this job: that object. It is 0 where it is not
     /// known which, and `None` where there is none. What such an activity looks like is not known.
     pub(in crate::anomaly) fn never_seen_with(&self, object: u16) -> Option<u16> {
         let never_seen = self.never_seen.unwrap_or_default();
