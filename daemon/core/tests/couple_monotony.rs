@@ -131,8 +131,8 @@ fn delete(frames: &[Frame], gaps: &[(Hidden, usize, usize)]) -> Vec<Frame> {
     frames
 }
 
-/// For each frame, what the hand touches, if it is seen and nothing is unseen in the frame, nor was in as many before as a change takes to be
-/// believed. A hand that touches nothing is idle, whatever it has let go: that is what it did before.
+/// For each frame, what the hand touches, if it is seen and nothing is unseen in the frame, nor was in the `persist_frames` before it. A hand that
+/// touches nothing is idle, whatever it has let go: that is what it did before.
 fn certainly_touched(couples: &[Couples], hand: usize) -> Vec<Option<Context>> {
     let doubts = Unseen::CONTEXT | Unseen::CHANGE | Unseen::TAKING | Unseen::ARRIVAL | Unseen::MOVE;
     let mut clear = 0;
@@ -145,8 +145,8 @@ fn certainly_touched(couples: &[Couples], hand: usize) -> Vec<Option<Context>> {
     couples.iter().map(touched).collect()
 }
 
-/// The first hand and frame in which whoever sees less is certain of what the hand touches, and whoever sees all is certain of something else for
-/// as long around it as a contact takes to be known again and to be believed.
+/// The first hand and frame in which whoever sees less is certain of what the hand touches, and whoever sees all of something else. It is so for as
+/// long around it as a contact takes to be known again and to be believed.
 fn contradicted(whole: &[Couples], less: &[Couples]) -> Option<(usize, usize)> {
     (0..2).find_map(|hand| {
         let [whole, less] = [whole, less].map(|couples| certainly_touched(couples, hand));
@@ -160,7 +160,7 @@ fn contradicted(whole: &[Couples], less: &[Couples]) -> Option<(usize, usize)> {
     })
 }
 
-/// Parts of which it is known where they are held: one of which only the middle is known is in the hand that leads it, wherever that is.
+/// Parts whose grip is known. One of which only the middle is known is in the hand that leads it, wherever that is.
 fn parts() -> Vec<ObjectShape> {
     let mut shapes = shapes(&PARTS.map(|(id, _)| id));
     let points = [[-0.005, 0.0, 0.0], [0.005, 0.0, 0.0]];

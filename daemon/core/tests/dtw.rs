@@ -204,8 +204,8 @@ proptest! {
 proptest! {
     #![proptest_config(many_cases())]
 
-    /// Whoever knows fewer frames has no greater distance and no greater bound, after each frame: what nobody knows may have been the motion that
-    /// was made.
+    /// Whoever knows fewer frames has no greater distance and no greater bound, after each frame. An unknown frame may have been the motion that was
+    /// made.
     #[test]
     fn a_distance_over_unknown_frames_is_no_greater_than_with_them(
         frames in vec((motions(1..2), any::<bool>()), 1..60),

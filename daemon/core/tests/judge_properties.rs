@@ -111,7 +111,7 @@ fn work() -> impl Strategy<Value = Vec<Part>> {
         .prop_map(move |all| all.into_iter().flat_map(done).collect())
 }
 
-/// Whether the hand is idle and goes on in the context in which it was before: that may be one IU, which Algorithm 1 does not know.
+/// Whether the hand is idle and goes on in the context in which it was before. That may be one IU, which Algorithm 1 does not know.
 fn lets_go_in_the_middle(work: &[Part]) -> bool {
     let contexts = |parts: &[Part]| parts[0].context == parts[2].context && parts[1].context == [0; 4];
     work.windows(3).any(contexts)

@@ -1,7 +1,8 @@
 //! Less observation only widens what was measured: a motion that is right in every measure has no wrong one, however little of it is seen.
 //!
 //! A hand moves a tool at a part as it likes, in straight strokes of any direction. The job allows what it measures and little more. Then some frames
-//! go missing. What is hidden is assumed to be no faster than twice the rest, and not to reverse in less than four frames; the motions keep to that.
+//! go missing. Hidden motion is assumed to be at most twice as fast as seen motion, and not to reverse in less than four frames. The motions keep to
+//! that.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;

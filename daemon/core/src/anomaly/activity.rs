@@ -45,8 +45,8 @@ pub(super) struct OpenActivity {
     /// Its number in the job, from 0.
     pub(super) number: u16,
     pub(super) step: Step,
-    /// One of its parts also has passive contacts in the runs: its own part or, where the hand was not seen to come, the other one. No required step
-    /// begins so. A touch that is unlike the steps is then no step.
+    /// A part of it also has passive contacts in the runs: its own one, or the other where the hand was not seen to come. No required step begins so.
+    /// A touch that is unlike the steps is then no step.
     pub(super) may_differ: bool,
     /// The nominal activities that it is like so far, but for the part that the hand took.
     pub(super) like: ActivitySet,

@@ -114,7 +114,7 @@ impl HandDoubt {
         self.newly_hidden = if is_doubtful { frames.saturating_add(before) } else { 0 };
         // Only frames that show something make a change believable.
         self.since_doubt = if is_doubtful { 0 } else { self.since_doubt.saturating_add(is_clear.into()) };
-        // The part in a hand may already have been at an object that is seen only now, even if the start of the job was seen.
+        // The part in a hand may already have been at an object that is seen only now, even if the job's start was seen.
         let is_new = couple.lacks(Unseen::ARRIVAL);
         let appears = is_new && !self.was_object_new && self.context.is_touch();
         self.was_object_new = is_new;

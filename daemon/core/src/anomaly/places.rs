@@ -32,7 +32,7 @@ impl Places {
     }
 
     /// Those of these places at which the hand is idle before the next IU. These are the beginning, any after it has let go, and any between two IUs
-    /// in the same context: what no hand touches stays as it is.
+    /// in the same context. What no hand touches stays as it is.
     pub(super) fn after_idle(self, nominal: &[NominalIu<'_>]) -> Self {
         let is_idle = |ius: &usize| match nominal.get(ius.wrapping_sub(1)..=*ius) {
             Some([before, next]) => before.context.is_release() || before.context == next.context,

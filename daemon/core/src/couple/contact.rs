@@ -13,8 +13,7 @@ fn min_known(persist: u8) -> u32 {
 /// The newest frame is `persist_frames` ahead of the one whose couple is made. So a change is believed from its true first
 /// frame on, and only if it has lasted for `persist_frames`, that first frame included.
 ///
-/// While one of its ends is not known, an edge neither begins nor ends: it stays as it was, and such frames do not make a change
-/// believable.
+/// While one of its ends is not known, an edge neither begins nor ends. It stays as it was, and such frames do not confirm a change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Edge {
     /// Bit k: near (with hysteresis) k frames before the newest. 32 frames are more than the longest delay.
@@ -28,8 +27,8 @@ pub(super) struct Edge {
 }
 
 impl Edge {
-    /// Takes the newest distance, in metres, of two ends that are known. Between the two distances an edge is what it was, so it is
-    /// not known there if it was not known before: in fewer than half of the `persist` frames.
+    /// Takes the newest distance, in metres, of two ends that are known. Between the two distances an edge is what it was. If it was known in fewer
+    /// than half of the `persist` frames before, it is not known there.
     pub(super) fn push(&mut self, distance: f32, contact: &Contact, persist: u8) {
         if (contact.on_m..=contact.off_m).contains(&distance)
             && !is_enough(self.known & window(persist, 0), persist)
@@ -107,8 +106,8 @@ impl Edge {
             && (self.known & frames).count_ones() >= min_known(persist).min(frames.count_ones())
     }
 
-    /// Whether the frame of this age and all that are known of the window [`ahead`] of it show a change that was not believed, because others are not
-    /// known. Call it after [`believe`](Self::believe).
+    /// Whether a change was not believed only because frames are not known. The frame of this age and all known ones of the window [`ahead`] of it
+    /// show it. Call it after [`believe`](Self::believe).
     pub(super) fn may_have_changed(self, age: usize, persist: u8) -> bool {
         let frames = ahead(age, persist);
         let (seen, unchanged) = (self.known & frames, if self.believed { self.near } else { !self.near });
@@ -263,8 +262,8 @@ mod tests {
         assert_eq!(text(&believed(&distances("-?-?x?x?x?x?-?-?-?-?"), 5)), "----xxxxxxxx--------");
     }
 
-    /// For each frame, whether a contact is believed, and whether that is certain: the frame and at least half of those in which a change would be
-    /// believed are known, and show none that is not believed.
+    /// For each frame, whether a contact is believed, and whether that is certain. For that, the frame and at least half of the window are known, and
+    /// they show no change that is not believed.
     fn claims(distances: &[f32], persist: u8) -> Vec<(bool, bool)> {
         let mut edge = Edge::default();
         let mut claims = Vec::new();
@@ -292,9 +291,9 @@ mod tests {
     proptest! {
         #![proptest_config(many_cases())]
 
-        /// Whoever sees fewer frames and is certain believes what is believed with all of them, in some frame nearer than a change takes to be
-        /// believed. The distances are those of two that stay near or apart for at least so long, with whatever comes between; and the last frames of
-        /// a recording, in which nothing new is believed, do not count.
+        /// Whoever sees fewer frames and is certain believes what is believed with all of them, in some frame within the window. The two stay near or
+        /// apart for at least as long as the window, with whatever comes between. The last frames of a recording, in which nothing new is believed,
+        /// do not count.
         #[test]
         fn whoever_sees_fewer_distances_and_is_certain_agrees_with_who_sees_all(
             (persist, stays) in (1..=PERSIST_FRAMES).prop_flat_map(|persist| {

@@ -85,22 +85,20 @@ impl core::error::Error for Refused {}
 
 /// Makes the couples of both hands from frames.
 ///
-/// The couple of a frame is emitted once the frame `persist_frames` later is known. By then a contact that began in it has
-/// lasted long enough to be believed, and velocity and acceleration come from a window centred on it. So contacts and motion
-/// have their true time, without phase lag, at the price of one fixed delay.
+/// The couple of a frame is emitted once the frame `persist_frames` later is known. By then a contact that began in it has lasted long enough to be
+/// believed. Velocity and acceleration come from a window centred on it. So contacts and motion have their true time, without phase lag, at the price
+/// of one fixed delay.
 ///
-/// Not seen is not known. While a hand or an object is not seen, its contacts neither begin nor end; a hidden object that a seen hand
-/// carries moves with the hand, and one that a hand covers is taken to lie where it was last seen. Motion is measured where enough
-/// positions around the frame were seen, and is unknown elsewhere. Each couple says what was seen, assumed and unseen, and whether
-/// so little was seen that its context is doubtful.
+/// Not seen is not known. While a hand or an object is not seen, its contacts neither begin nor end. A hidden object that a seen hand carries moves
+/// with the hand. One that a hand covers is assumed to lie where it was last seen. Motion is measured where enough positions around the frame were
+/// seen, and is unknown elsewhere. Each couple says what was seen, assumed and unseen, and whether so little was seen that its context is doubtful.
 ///
 /// A frame in which nobody was watching ([`Frame::is_unseen`]) is one that is missing, but for its time.
 ///
-/// Frames that are missing on the grid are filled with frames in which nothing was seen, of a longer gap only `blind_ms` and one
-/// frame more. One step therefore emits at most `blind_ms * rate_hz + persist_frames + 2` couples.
+/// Frames that are missing on the grid are filled with frames in which nothing was seen. Of a longer gap only `blind_ms` and one frame more are
+/// filled. One step therefore emits at most `blind_ms * rate_hz + persist_frames + 2` couples.
 ///
-/// In a frame, a hand or an object is left out if it repeats one of the same frame, has an unknown id, or holds a number that
-/// is not finite.
+/// A hand or an object is left out if it repeats one of its frame, has an unknown id, or holds a number that is not finite.
 #[derive(Clone, Debug)]
 pub struct Encoder {
     grid: Grid,

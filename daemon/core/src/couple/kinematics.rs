@@ -8,8 +8,7 @@ use core::f32::consts::{FRAC_PI_2, PI, TAU};
 /// How a hand or an object moves in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Kinematics {
-    /// Where it is, in metres in the bench frame, as the positions before and after the frame say it, and how far these are off the parabola, as
-    /// root mean square.
+    /// Where it is by the parabola through the positions around the frame, in the bench frame, and the root mean square of their residuals; metres.
     pub(super) position: Point,
     pub(super) residual_m: f32,
     /// Velocity in m/s, in the bench frame.
@@ -18,8 +17,8 @@ pub(super) struct Kinematics {
     pub(super) tangential: f32,
 }
 
-/// How many times the error of a motion that every frame of the window shows may be exceeded. With the default window every second frame
-/// multiplies that of an acceleration by up to 1.96, and every third by 4.0: every second is enough, every third is not.
+/// How many times the error of a motion that every frame of the window shows may be exceeded. With the default window every second frame multiplies
+/// that of an acceleration by up to 1.96, and every third by 4.0. So every second is enough, and every third is not.
 const MAX_ERROR: f64 = 2.5;
 
 /// The maximum variances of a velocity and an acceleration that count as measured, as multiples of the variance of a position: in
@@ -50,11 +49,11 @@ impl Precision {
 /// A time in seconds from the frame that is asked for, and the position then.
 pub(super) type Sample = (f64, Point);
 
-/// Fits a parabola to the positions around a frame and takes its value and its derivatives in that frame: a Savitzky-Golay filter that uses
-/// the time stamps as they are and skips frames without a position. The window is centred, so there is no phase lag.
+/// Fits a parabola to the positions around a frame and takes its value and its derivatives in that frame. It is a Savitzky-Golay filter that uses the
+/// time stamps as they are and skips frames without a position. The window is centred, so there is no phase lag.
 ///
-/// `None` if the positions are too few, or too unevenly spread, for the precision, or all lie on one side of the frame: what was not
-/// measured is not known, and is not rest.
+/// `None` if the positions are too few or too unevenly spread for the precision, or all lie on one side of the frame. What was not measured is not
+/// known, and is not rest.
 pub(super) fn kinematics(
     samples: impl Iterator<Item = Sample> + Clone,
     precision: &Precision,
@@ -168,8 +167,8 @@ impl Quantiser {
 
     /// `[θ, φ]`: the direction of the velocity of `v_i`, projected onto the axes of `v_j` (paper III-A.2), as bins of `2π/N`.
     ///
-    /// Azimuth bin 1 is centred on the x axis of `v_j`, and bins are counted towards its y axis. Elevation has bins of the same
-    /// width: bin 1 is centred on straight down, bin `N/2 + 1` on straight up; it is 0 in plane mode. Both are 0 at rest.
+    /// Azimuth bin 1 is centred on the x axis of `v_j`, and bins are counted towards its y axis. Elevation has bins of the same width: bin 1 is
+    /// centred on straight down, bin `N/2 + 1` on straight up. It is 0 in plane mode. Both are 0 at rest.
     pub(super) fn direction(&self, motion: &Kinematics, frame: Quaternion) -> [i8; 2] {
         if self.is_at_rest(motion) {
             return [0; 2];

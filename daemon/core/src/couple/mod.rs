@@ -121,8 +121,7 @@ pub struct Couple {
     pub side: Side,
     /// The time that the couple describes, in nanoseconds: that of its frame, not that at which it became known.
     pub captured_ns: u64,
-    /// Motion features; `None` where a position that they depend on was seen too seldom to measure its motion, or it is not known whether `o_j` and
-    /// `o_l` touch.
+    /// Motion features; `None` where a position was seen too seldom to measure its motion, or where it is not known whether `o_j` and `o_l` touch.
     pub motion: Option<Motion>,
     /// Context features.
     pub context: Context,
@@ -132,8 +131,8 @@ pub struct Couple {
     /// The finger tips in the bench frame, in metres, known in the same way; `None` where they were neither seen nor assumed to be at what the
     /// hand carries, or the hand does not act.
     pub tips: Option<Point>,
-    /// How far apart two positions of `o_j`, in the frame of reference of `o_l` if there is one, may be by drift, in metres; 0 where that
-    /// is not known.
+    /// How far apart two positions of `o_j` may be by drift, in metres; 0 where that is not known. They are in the frame of reference of `o_l` if
+    /// there is one.
     pub drift_m: f32,
     /// Minimum distances from the hand to `o_j` and from `o_j` to `o_l`, in metres; infinite where there is no such contact.
     pub distances: [f32; 2],

@@ -1,8 +1,8 @@
 //! The noise of positions, from the positions themselves: a displacement within the noise is no motion.
 //!
-//! Jitter differs from frame to frame. It shows in third differences, in which a hand's motion leaves next to nothing. Drift is correlated
-//! over frames. It shows in how far a part seems to move while all hands are seen and none acts on anything. Constants would fit one tracker
-//! only: with errors of 2.5 mm, 277 of 288 right jobs of two hands are accepted, and none was with constants.
+//! Jitter differs from frame to frame. It shows in third differences, in which a hand's motion leaves next to nothing. Drift is correlated over
+//! frames. It shows in how far a part seems to move while all hands are seen and none acts on anything. Constants would fit one tracker only. With
+//! errors of 2.5 mm, 277 of 288 right jobs of two hands are accepted; with constants none was.
 
 use super::geometry::{dot, squared_distance};
 use crate::capacity::PERSIST_FRAMES;
@@ -18,8 +18,8 @@ pub(super) fn has_moved(from: Point, to: Point) -> bool {
     squared_distance(from, to) > MOVED_M * MOVED_M
 }
 
-/// Two positions of what lies still are hardly ever farther apart than this multiple of the standard deviation of one: in the plane once in 270,000
-/// times if that is known, and once in some thousand times as it is estimated here.
+/// Two positions of an object at rest are hardly ever farther apart than this multiple of the standard deviation of one. In the plane that is once in
+/// 270,000 times if the deviation is known, and once in some thousand times as it is estimated here.
 const NOISE_BOUND_SIGMAS: f32 = 5.0;
 
 /// The variance of a third difference, as a multiple of that of a position: 1 + 9 + 9 + 1.
@@ -31,30 +31,30 @@ const CLIP_AT_MEDIANS: f32 = 9.0;
 /// Fewer third differences tell nothing: one position that is misread is in four.
 const MIN_DIFFERENCES: usize = 4;
 
-/// As many are used, the first ones: room for those of all frames that are remembered.
+/// The maximum number that is used, the first ones: room for those of all frames that are remembered.
 const MAX_DIFFERENCES: usize = 2 * PERSIST_FRAMES;
 
-/// Fewer frames tell nothing of the drift, and so many are remembered: 10 s of the default frame rate.
+/// Fewer frames tell nothing of the drift. At most the second number is remembered: 10 s of the default frame rate.
 const MIN_DRIFT_FRAMES: u16 = 10;
 const MAX_DRIFT_FRAMES: u16 = 300;
 
-/// A few frames hold few independent errors of a drift, so that it seems less than it is, or more. In so many frames its variance is taken for
-/// twice as large, or for half as large where it is asked whether something moves.
+/// A few frames hold few independent errors of a drift, so that it seems less than it is, or more. In this many frames its variance counts as twice
+/// as large, or as half as large where it is asked whether something moves.
 const UNCERTAIN_FRAMES: f32 = 30.0;
 
 /// A displacement above this is motion, not drift, in metres, both while a change is believed and while the hands rest. A tracker that
 /// drifts more cannot resolve a contact.
 const MAX_DRIFT_M: f32 = 0.03;
 
-/// Squares of the drift are clipped at this multiple of their mean: in the plane one in 8,000 exceeds it, and a part that is moved unseen does.
+/// Squares of the drift are clipped at this multiple of their mean. In the plane one in 8,000 exceeds it, and so does a part that is moved unseen.
 const CLIP_AT_MEANS: f32 = 9.0;
 
-/// How far apart two positions of something that lies still seem to be at most, in metres, by the errors of what sees it: as they are in these
-/// `positions`, one per frame, of which those that are not known are `None`; 0 where too few are known in a row to tell.
+/// The bound of how far apart jitter lets two positions of an object at rest seem, in metres. It is that of these `positions`, one per frame, `None`
+/// where not known. It is 0 where too few in a row are known to tell.
 ///
-/// Jitter is what differs from frame to frame. The errors of a tracker that filters are correlated, and only `Drift` shows them. Jitter is taken
-/// from third differences, in which the motion of a hand leaves next to nothing: of two strokes of 7 cm per second 0.2 mm. One position that is
-/// misread is in four of them, which count no more than large errors do.
+/// Jitter is what differs from frame to frame. The errors of a tracker that filters are correlated, and only `Drift` shows them. Jitter is taken from
+/// third differences, in which the motion of a hand leaves next to nothing. Two strokes of 7 cm per second leave 0.2 mm. One position that is misread
+/// is in four of them, which count no more than large errors do.
 pub fn jitter_bound_m(positions: impl Iterator<Item = Option<Point>>) -> f32 {
     let mut squares: Vec<f32, MAX_DIFFERENCES> = Vec::new();
     // The newest three, the newest first.
@@ -110,8 +110,8 @@ impl Drift {
         (self.before, self.lay, self.is_moved) = (self.known, None, false);
     }
 
-    /// Takes where it seems to be `now`, and where it seemed to be `before`, by as many frames as it takes to believe a change; and whether a hand
-    /// has been seen by then, so that it rests.
+    /// Takes where it seems to be `now`, and where it seemed to be `before`, which is `persist_frames` earlier. If a hand has been seen by then, it
+    /// rests.
     pub(super) fn push(&mut self, now: Point, before: Point, has_seen_hand: bool) {
         let lay = *self.lay.get_or_insert(before);
         let max_apart_m = self.known.max_apart_m();

@@ -73,7 +73,7 @@ impl Source {
     }
 }
 
-/// Where a hand or an object was in one frame of the grid, how that is known, and for how many frames it had not been seen.
+/// Where a hand or an object was in one frame of the grid, how that is known, and for how long it was unseen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fix {
     pub(super) place: Point,

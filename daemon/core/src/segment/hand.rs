@@ -162,7 +162,7 @@ impl Segmenter {
         }
     }
 
-    /// The IU that has ended last is not over, because the hand let go in the middle of its activity: a touch in the same context goes on with it.
+    /// The IU that has ended last is not over, because the hand let go in the middle of its activity. A touch in the same context goes on with it.
     pub fn interrupt(&mut self) {
         self.is_interrupted = true;
     }

@@ -21,7 +21,7 @@ impl Progress<'_> {
     }
 
     /// A hand begins the IU with this number of one of these nominal activities. Takes note of whether it may belong to another piece than what came
-    /// before. For that, nobody watched for as long as the quickest teacher of the job needs to end this piece and to come to this IU in another.
+    /// before. For that, nobody watched for as long as the quickest run needs to end this piece and to come to this IU in another.
     pub(in crate::anomaly) fn note_another_piece(&mut self, side: Side, nominal: ActivitySet, ius: usize) {
         let fits = |nominal: &NominalActivity<'_>| self.unwatched >= self.exchange(side, nominal, ius);
         let all = self.job.activities;

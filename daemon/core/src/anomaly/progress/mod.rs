@@ -127,8 +127,8 @@ pub(super) struct Progress<'a> {
     state: JobState,
     /// The activities that may have come unseen since the last job ended.
     unseen: ActivitySet,
-    /// Activities that the newest frame shows not to have been done, then those that some frame has shown so between the last job and the first touch
-    /// of this one.
+    /// Activities that the newest frame shows not to have been done. Then those that some frame between the last job and the first touch of this one
+    /// has shown so.
     seen_undone: ActivitySet,
     undone_first: ActivitySet,
     /// The activities that use an object which has not been seen since the last job ended or the encoder started; `None` before the first frame.

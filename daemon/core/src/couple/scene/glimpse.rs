@@ -1,5 +1,5 @@
-//! Objects that are seen so seldom that no motion of theirs is measured. A hand that takes one and puts it down between two such
-//! glimpses is not seen to act on it, even where it is seen itself.
+//! Objects that are seen so seldom that no motion of theirs is measured. A hand that takes one and puts it down between two such glimpses is not seen
+//! to act on it.
 
 use super::super::noise::has_moved;
 use crate::input::Point;
@@ -16,8 +16,8 @@ pub(super) struct Glimpses {
 }
 
 impl Glimpses {
-    /// Takes where the object is seen in the newest frame, or `None`. Says whether it is carried about unmeasured: it has been farther away than
-    /// [`MOVED_M`] at two glimpses in a row, each of them more than `persist` and at most `blind` frames after the one before. What was only
+    /// Takes where the object is seen in the newest frame, or `None`. Says whether it is carried about unmeasured. For that, it has been farther away
+    /// than [`MOVED_M`] at two glimpses in a row. Each is more than `persist` and at most `blind` frames after the one before. What was only
     /// exchanged while nothing was seen has been elsewhere once.
     pub(super) fn push(&mut self, seen: Option<Point>, persist: u32, blind: u32) -> bool {
         self.unseen = self.unseen.saturating_add(1);

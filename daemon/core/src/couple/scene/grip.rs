@@ -38,10 +38,10 @@ impl Scene {
         poses.iter().all(|pose| pose.source == Source::Seen).then_some(poses)
     }
 
-    /// A hand carries the object that it acts on while that is hidden, until it is seen again or the hand has not been seen for `blind_ms`. A
-    /// hand that goes out of sight before the object still holds it as it did. An object that was hidden before it was grasped is taken to
-    /// lie where it was last seen; one that was seen since the frame of which that is known is held as it was then. What a hand merely passes
-    /// over it does not carry. `gripped` are what each hand would carry.
+    /// A hand carries the object that it acts on while the object is hidden. That ends when the object is seen again or the hand has not been seen
+    /// for `blind_ms`. A hand that goes out of sight before the object still holds it as it did. An object that was hidden before it was grasped is
+    /// assumed to lie where it was last seen. One that was seen since then is held as it was when last seen. What a hand merely passes over it does
+    /// not carry. `gripped` are what each hand would carry.
     pub(super) fn update_grips(&mut self, gripped: [Option<usize>; HANDS]) {
         let newest_couple = u32::from(self.method.persist_frames) + 1;
         for index in 0..self.objects.len() {

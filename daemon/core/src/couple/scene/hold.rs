@@ -8,7 +8,7 @@ use super::{Interaction, Scene, squared_distance};
 use crate::capacity::HANDS;
 use crate::input::Point;
 
-/// The place is the mean of as many frames, the first ones in which the object rests: its error is less than a third of that of one.
+/// The place is the mean of this many frames, the first ones in which the object rests. Its error is less than a third of that of one.
 const MEAN_FRAMES: u16 = 10;
 
 /// Where a hand holds an object that has moved with it: the centre of the finger tips in the frame of reference of the object.
@@ -24,8 +24,8 @@ pub(super) struct Hold {
 }
 
 impl Hold {
-    /// One frame later, in which the object rests and is held here. Where it has moved in the hand before that, as one that two
-    /// hands carry does, the place begins anew where the hand is seen, so that the hand does not seem to leap.
+    /// One frame later, in which the object rests and is held here. Where it has moved in the hand before that, as with two hands that carry it, the
+    /// place starts again where the hand is seen. So the hand does not seem to leap.
     fn rest(self, at: Point) -> Self {
         let has_slipped = self.moves && has_moved(at, self.at);
         let known = if has_slipped { 0 } else { self.frames };

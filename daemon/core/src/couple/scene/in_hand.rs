@@ -1,18 +1,18 @@
-//! What is near and interacts. A hand that is near an object acts on it from the moment at which it rests at the object, or the
-//! object moves with it, until it leaves (the in-hand relation of paper III-A.2). An object touches another that it comes near or is brought
-//! to rest at, unless it passes by.
+//! What is near and interacts. A hand near an object acts on it from the moment at which it rests at the object or the object moves with it, until it
+//! leaves. It is the in-hand relation of paper III-A.2. The *window* of a frame is this frame and the `persist_frames` after it, in which a change is
+//! believed. An object touches another that it comes near or is brought to rest at, unless it passes by.
 //!
 //! To be near is only the opportunity. A hand that flies over an object or brushes it is never at rest relative to it. What a hand
 //! holds rests relative to it, wherever both move; if it turns with the hand, then in its own frame of reference.
 //!
-//! A hand that flies over a part is never slower than 0.7 m/s there; one that takes it comes down to 0.02 m/s or carries it. Nearness alone
-//! began an IU 0.7 to 1.1 s before the grasp.
+//! A hand that flies over a part is never slower than 0.7 m/s there. One that takes it comes down to 0.02 m/s or carries it. Nearness alone began an
+//! IU 0.7 to 1.1 s before the grasp.
 //!
 //! After it has let go, a hand that rests there again makes no new contact until the part moves with it. A tracker with errors of 1 or 2 mm
 //! would else see the step begin once more.
 //!
-//! Nearness is how some people have been shown to hold an object, and others hold it elsewhere. What moves with one hand alone is in that hand if
-//! its finger tips are within a hand's width of where it was shown to be held, or within reach where nobody has shown it.
+//! Nearness is how some people have been shown to hold an object, and others hold it elsewhere. An object that moves with one hand alone is in that
+//! hand if the finger tips are near enough. That is a hand's width from where the runs hold it, or within reach where no run shows it.
 
 use super::super::geometry::{dot, norm, subtract};
 use super::super::poses::Source;
@@ -21,8 +21,8 @@ use crate::capacity::{HANDS, OBJECTS};
 use crate::input::Point;
 use core::f32::consts::SQRT_2;
 
-/// Two positions of what rests are seldom farther apart than this share of how far apart they are at most by chance, in the plane once in seven
-/// times; and those of what passes are.
+/// Two positions of an object at rest are seldom farther apart than this share of the noise bound, in the plane once in seven times. Those of one
+/// that passes are.
 const MAX_REST_SHARE: f32 = 0.4;
 
 /// Whether a hand acts on an object.
@@ -31,8 +31,8 @@ pub(super) enum InHand {
     /// It is not at the object, or only passes it.
     #[default]
     No,
-    /// It has let go of the object and has not gone away since: a hand that rests there only lingers, until the object moves with it or it has
-    /// come back from where it was farthest, in metres.
+    /// It has let go of the object and has not gone away since. A hand that rests there only lingers, until the object moves with it or it comes back
+    /// from where it was farthest, in metres.
     Lingers { farthest_m: f32 },
     /// It is at the object, and it has not been seen whether it acts on it.
     Unknown,
@@ -241,8 +241,7 @@ impl Scene {
         Some(path_m * f32::from(self.method.persist_frames) / frames > self.method.object_contact.on_m)
     }
 
-    /// How far two objects have moved relative to each other from this frame to the newest known one of those in which a change is believed,
-    /// in metres, after the age of that frame.
+    /// The age of the window's last known frame, and how far two objects have moved relative to each other until then, in metres.
     fn path_of_objects(&self, i: usize, j: usize, age: usize) -> Option<(usize, f32)> {
         let apart = |age: usize| {
             let [one, other] = [i, j].map(|object| self.objects[object].poses.ago(age));
@@ -257,9 +256,9 @@ impl Scene {
         [i, j].iter().all(|object| self.objects[*object].poses.ago(age).source == Source::Seen)
     }
 
-    /// Whether the hand is at the object, and the object moves with it, or it rests relative to the object and stays there for as long as a
-    /// change takes to be believed; `None` where that was not measured. A hand that rests relative to one of several objects at which it is
-    /// rests relative to each that rests relative to this one: which of them is measured to rest first is chance.
+    /// Whether the hand is at the object, and the object moves with it or the hand rests relative to it up to the end of the window; `None` where
+    /// that was not measured. If the hand is at several objects and rests relative to one, it also rests relative to each that rests relative to this
+    /// one. Which of them is measured to rest first is chance.
     pub(super) fn rests(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
         if !self.is_at(hand, object, age) {
             return Some(false);
@@ -282,8 +281,8 @@ impl Scene {
             || self.leads(hand, object, age) == Some(true)
     }
 
-    /// As [`rests`](Self::rests), of a hand that is at the object, as far as these two show it: its finger tips rest, or its knuckle does while
-    /// the tips take hold or one of them is taken for another.
+    /// As [`rests`](Self::rests), of a hand that is at the object, as far as these two show it. The finger tips rest, or the knuckle does while the
+    /// tips take hold or are confused.
     fn rests_alone(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
         if self.follows(hand, object, age) || self.knuckle_rests(hand, object, age) {
             return Some(true);
@@ -294,8 +293,7 @@ impl Scene {
         Some(speed < self.method.rest_speed_m_s && (path_m <= self.rest_m() || seems_to_rest()))
     }
 
-    /// Whether the middle knuckle is known to rest relative to the object in the bench frame, and stays there for as long as a change takes to
-    /// be believed.
+    /// Whether the middle knuckle is known to rest relative to the object in the bench frame, and stays there up to the end of the window.
     fn knuckle_rests(&self, hand: usize, object: usize, age: usize) -> bool {
         let apart = |age: usize| {
             let (hand, object) = (self.hands[hand].ago(age), self.objects[object].poses.ago(age));
@@ -307,8 +305,8 @@ impl Scene {
             && moved.is_some_and(|(from, (_, to))| norm(subtract(to, from)) <= self.rest_m())
     }
 
-    /// Whether what has moved so far in metres from one frame to another rests: for most of the time in which a change is believed, because a
-    /// shorter time does not show it.
+    /// Whether a displacement of `path_m` from one frame to another is rest. The frames must span most of the window, because a shorter time does not
+    /// show it.
     pub(super) fn shows_rest(&self, age: usize, newest: usize, path_m: f32) -> bool {
         2 * (age - newest) > self.method.persist_frames.into() && path_m <= self.rest_m()
     }
@@ -323,15 +321,13 @@ impl Scene {
         self.moves_away(hand, object, age).is_some_and(|distance| distance > self.hand_contact(object).on_m)
     }
 
-    /// How far the hand is from the object when a change would be believed, in metres, if it moves away from it until then and the object does
-    /// not follow.
+    /// The distance from hand to object at the end of the window, in metres, if the hand moves away until then and the object stays.
     pub(super) fn moves_away(&self, hand: usize, object: usize, age: usize) -> Option<f32> {
         let distance = self.distance_from_hand(hand, object, self.slips_until(hand, object, age)?);
         (distance > self.distance_from_hand(hand, object, age)).then_some(distance)
     }
 
-    /// The age of the newest known frame of those in which a change is believed, if the hand moves along the object or away from it until then
-    /// and the object does not follow.
+    /// The age of the window's last known frame, if the hand moves along the object or away from it until then and the object stays.
     pub(super) fn slips_until(&self, hand: usize, object: usize, age: usize) -> Option<usize> {
         let (newest, path_m) = self.relative_path(hand, object, age)?;
         // The errors come last, because they take longest.
@@ -348,14 +344,14 @@ impl Scene {
         jitter_m.max(SQRT_2 * self.drift_m(object))
     }
 
-    /// What a hand has moved along an object or away from it so far, in metres, it does not do while it holds that: half of how near it holds it,
-    /// as who is seen inexactly is seen farther away, and seems to slip as much.
+    /// A hand that has moved this far along an object or away from it, in metres, does not hold it. It is half of the contact distance: a hand that
+    /// is seen inexactly seems farther away, and seems to slip as much.
     fn slipped_m(&self) -> f32 {
         self.method.hand_contact.on_m / 2.0
     }
 
-    /// Whether the object moves with the hand: more than half as far as the two move apart, and the hand more than a quarter of its way.
-    /// Two hands that carry a part together do not hold it as stiffly as one.
+    /// Whether the object moves with the hand: more than half as far as they move apart, and the hand over a quarter of its way. Two hands that carry
+    /// a part together do not hold it as stiffly as one.
     fn follows(&self, hand: usize, object: usize, age: usize) -> bool {
         self.relative_path(hand, object, age).is_some_and(|(newest, path_m)| {
             let (hands, poses) = (&self.hands[hand], &self.objects[object].poses);
@@ -368,8 +364,8 @@ impl Scene {
         })
     }
 
-    /// The speed of the finger tips relative to the object, in m/s: in the bench frame or in that of the object, whichever is less, so that
-    /// the orientation of a part that turns without meaning does not matter.
+    /// The speed of the finger tips relative to the object, in m/s, in the bench frame or in that of the object, whichever is less. So the
+    /// orientation of a part that turns without meaning does not matter.
     fn relative_speed(&self, hand: usize, object: usize, age: usize) -> Option<f32> {
         let speed_in = |frame: usize| {
             let motion =
@@ -379,9 +375,8 @@ impl Scene {
         Some(f32::min(speed_in(0)?, speed_in(1)?))
     }
 
-    /// How far the finger tips have moved relative to the object from this frame, or the last known one before it, to the newest known one of
-    /// those in which a change is believed, in metres, after the age of that frame; in the bench frame or in that of the object, whichever is
-    /// less.
+    /// The age of the window's last known frame, and the displacement of the finger tips relative to the object until then, in metres. It is from
+    /// this frame or the last known one before it, in the bench frame or in that of the object, whichever is less.
     fn relative_path(&self, hand: usize, object: usize, age: usize) -> Option<(usize, f32)> {
         let positions = |age: usize| self.relative_positions(hand, object, age);
         let mut ages = age..=age + usize::from(self.method.persist_frames);

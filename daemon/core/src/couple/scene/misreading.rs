@@ -38,7 +38,7 @@ impl Misreading {
     }
 }
 
-/// Whether what was here in the newest frame and in the one before may be seen there now, if it has been pushed for as many frames.
+/// Whether something that was at these two fixes may now be at `seen`, if it has been pushed for this many frames.
 pub(super) fn is_reached(fixes: [Fix; 2], seen: Point, pushed: u32, method: &Method) -> bool {
     off_course_m(fixes, seen) <= reach_m(pushed, method)
 }

@@ -95,8 +95,8 @@ pub(super) struct Scene {
     at_start: ObjectSet,
     /// For each hand, the objects that were moved while they were hidden, and with which it has not been seen to begin since.
     displaced: [ObjectSet; HANDS],
-    /// For each hand, the objects that it has been at since they were last seen, or may have been, as it was out of the picture, or may have been
-    /// given.
+    /// For each hand, the objects that it may have taken since they were last seen. It was at them, or was out of the picture, or the other hand may
+    /// have given them.
     may_be_taken: [ObjectSet; HANDS],
     /// For each hand, the objects that it may have been near since they were last seen.
     may_be_touched: [ObjectSet; HANDS],
@@ -426,8 +426,8 @@ impl Scene {
         })
     }
 
-    /// A position in the frame of this age. Where one frame alone is too inexact to measure anything, the parabola through the frames before and
-    /// after it says where it was, unless they are farther off that than their errors: what moves so quickly stays as it is seen.
+    /// A position in the frame of this age. Where one frame alone is too inexact to measure anything, the parabola through the frames around it gives
+    /// the position. If these are farther off the parabola than their errors, the motion is too quick for it, and the position stays as seen.
     fn steady(&self, age: usize, known: impl Fn(usize) -> Option<Point> + Copy) -> Option<Point> {
         let seen = known(age)?;
         let jitter_m = jitter_bound_m(self.around(age).map(known));
@@ -487,8 +487,8 @@ impl Scene {
         (pose.source == Source::Seen).then_some(pose.position)
     }
 
-    /// How far apart two positions of what lies still seem to be at most, by the errors of what sees it, in metres: as they are in all frames that
-    /// are remembered, or in those around `age` if they are worse, as where fingers pass before a marker; 0 where they are not known.
+    /// The bound of how far apart jitter lets two positions of an object at rest seem, in metres; 0 where it is not known. It is that of all
+    /// remembered frames, or of those around `age` if it is larger there, as where fingers pass before a marker.
     fn jitter_bound_m(&self, age: usize, known: impl Fn(usize) -> Option<Point> + Copy) -> f32 {
         f32::max(jitter_bound_m((0..REMEMBERED).map(known)), jitter_bound_m(self.around(age).map(known)))
     }

@@ -1,10 +1,10 @@
-//! Whose hand is seen. A tracker may take a hand for the other one for some frames, but a hand that is where a hand has just been, and where the
-//! one that it is called was not, is that hand. One that may be either is not seen.
+//! Whose hand is seen. A tracker may confuse the two hands for some frames. A hand that is where one of them has just been, and the other has not, is
+//! that one. One that may be either is not seen.
 //!
-//! A name that lasts longer than `blind_ms` is believed. A part may be handed over where two hands meet, so that a tracker means it is then as
-//! likely as that it errs, and a rule that kept the old name would call a handing over the work of one hand. It is not resolved in silence:
-//! the other hand has verdicts of its own, with a question where its work was not shown, and the hand that has lost its name is not seen: its
-//! work is right only where what was seen of the parts leaves no fault that it could hide.
+//! A name that lasts longer than `blind_ms` is believed. Where two hands meet, a part may be handed over, so that the tracker is as likely right as
+//! wrong. A rule that kept the old name would call a handing over the work of one hand. It is not resolved in silence: the other hand has verdicts of
+//! its own, with a question where its work was not shown. The hand that has lost its name is not seen. Its work is right only where what was seen of
+//! the parts leaves no fault that it could hide.
 
 use super::misreading::{is_reached, off_course_m};
 use crate::capacity::HANDS;

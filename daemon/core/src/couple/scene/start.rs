@@ -9,9 +9,9 @@ use crate::couple::interaction::Interaction;
 use crate::couple::poses::Source;
 
 impl Scene {
-    /// Finds the objects that lie where the job begins in the frame `age` frames before the newest. Call it once for each frame, in order: an
-    /// object that is out of sight for no longer than `blind_ms` lies where it lay, unless a hand acts on it. It lies there only once
-    /// it has been seen to rest there.
+    /// Finds the objects that lie where the job begins in the frame `age` frames before the newest. Call it once for each frame, in order. An object
+    /// that is out of sight for no longer than `blind_ms` lies where it lay, unless a hand acts on it. It lies there only once it has been seen to
+    /// rest there.
     pub(super) fn push_at_start(&mut self, age: usize) {
         for index in 0..self.objects.len() {
             let (node, was_there) = (&self.objects[index], self.at_start.contains(index));

@@ -12,7 +12,8 @@ use super::{Node, Scene, squared_distance};
 use crate::capacity::HANDS;
 use crate::set::ObjectSet;
 
-/// What a seen hand carries may be lost for as many times `blind_ms`: two seconds by default, in which nobody puts a part down and comes back for it.
+/// An object that a seen hand carries may be lost for this many times `blind_ms`. That is two seconds by default, in which nobody puts a part down
+/// and comes back for it.
 const CARRIED_BLIND_TIMES: u32 = 3;
 
 impl Scene {
@@ -35,8 +36,8 @@ impl Scene {
         }
     }
 
-    /// Whether an object lies elsewhere than when a hand was last seen, and no hand holds it: none acted on it or was at it when it
-    /// was last seen, the latter not longer ago than `blind_ms`.
+    /// Whether an object lies elsewhere than when a hand was last seen, and no hand holds it. None acted on it when it was last seen, or was at it no
+    /// longer ago than `blind_ms`.
     pub(super) fn have_moved_unseen(&mut self) -> bool {
         let is_hand_seen = self.hands.iter().any(|hand| hand.ago(0).source == Source::Seen);
         if self.handless_frames >= self.method.persist_frames.into() {
@@ -67,10 +68,9 @@ impl Scene {
         is_any
     }
 
-    /// Whether a hand that is not seen carries an object: it moves, and no hand is seen at it. What is exchanged between two frames, as
-    /// a part that is put in place while the camera is covered, does not move before and after that, and what is misread, as where fingers pass
-    /// before a marker, is back where it was. Where frames come too seldom to measure what a hand does, it does not matter whether the hand is
-    /// seen.
+    /// Whether a hand that is not seen carries an object: it moves, and no hand is seen at it. It counts as moved only if it did so in both of the
+    /// last two windows. A part that is put in place while the camera is covered moves in neither. One that is misread, as where fingers pass before
+    /// its marker, is back where it was. Where frames come too seldom to measure what a hand does, it does not matter whether the hand is seen.
     pub(super) fn are_carried_unseen(&mut self) -> bool {
         let moves_unmeasured = self.move_unmeasured();
         let persist = usize::from(self.method.persist_frames);
@@ -122,8 +122,8 @@ impl Scene {
         !is_any_seen || has_vanished
     }
 
-    /// Finds out for each hand whether the newest frame shows it and everything that it acts on, is at or may have taken, what that may touch,
-    /// and whether they touch.
+    /// Finds out for each hand whether the newest frame is clear. It shows the hand, everything that the hand acts on, is at or may have taken, and
+    /// whether that touches anything.
     pub(super) fn push_clear(&mut self) {
         self.update_taken();
         for (index, hand) in self.hands.iter().enumerate() {
@@ -163,8 +163,8 @@ impl Scene {
         }
     }
 
-    /// Finds out which hands may have taken objects that are hidden: each that was at the object or was not seen, and one to which the
-    /// other may have given it. What moved when it vanished is in a hand, even if that has not been seen for long.
+    /// Finds out which hands may have taken objects that are hidden. It is each that was at the object or was not seen, and one to which the other
+    /// may have given it. What moved when it vanished is in a hand, even if that has not been seen for long.
     fn update_taken(&mut self) {
         let persist = usize::from(self.method.persist_frames);
         // What the hand is seen to act on leaves no room in it.
@@ -232,7 +232,7 @@ impl Scene {
         }
     }
 
-    /// The hand begins to act on `held`: finds whether it was seen to, and the other objects at which it may be, for all that is seen.
+    /// The hand begins to act on `held`. Finds whether that was seen, and the other objects at which it may be by all that was seen.
     pub(super) fn update_alternatives(
         &mut self,
         hand: usize,
@@ -264,8 +264,7 @@ impl Scene {
         }
     }
 
-    /// Whether the hand, or an object that it acted on before, was hidden in most of the frames before this one in which a change would have
-    /// been believed.
+    /// Whether the hand, or an object that it acted on before, was hidden in most of the `persist_frames` before this one.
     pub(super) fn was_hidden(&self, hand: usize, before: Interaction, age: usize) -> bool {
         let frames = age + 1..=age + usize::from(self.method.persist_frames);
         let is_most = |hidden: usize| 2 * hidden > self.method.persist_frames.into();
@@ -300,8 +299,8 @@ impl Scene {
         })
     }
 
-    /// Whether the hand moves away from `o_j`, and not all frames that would show whether it has left it were clear; or along it, and it is not
-    /// seen what comes after that.
+    /// Whether the hand moves away from `o_j`, and not all frames that would show whether it has left it were clear. Or it moves along `o_j`, and it
+    /// is not seen what comes after that.
     pub(super) fn may_have_left(&self, hand: usize, interaction: Interaction, age: usize) -> bool {
         let ahead = contact::ahead(age, self.method.persist_frames);
         let Interaction::Acts { j, .. } = interaction else { return false };
