@@ -153,7 +153,7 @@ fn a_pause_that_is_no_anomaly_is_named_and_learnt() {
     let report = waiting(2, 3);
     assert!(report.is_trusted(), "{report}");
     let text = report.to_string();
-    assert!(text.contains("note: p5 is slow: in step 1, IU 1") && text.contains(" s, the others "), "{text}");
+    assert!(text.contains("note: p5 pauses: in step 1, IU 1") && text.contains(" s, the others "), "{text}");
 }
 
 #[test]
@@ -174,7 +174,7 @@ fn the_same_recording_three_times_is_one_run() {
     let runs = vec![run(1, Flaw::None); 3];
     let report = taught(&runs);
     let first = refused(&report);
-    assert!(first.contains("p1, p1 were shown before: there is one different run only"), "{first}");
+    assert!(first.contains("p1, p1 repeat an earlier run: only one different run remains"), "{first}");
     assert_eq!(report.runs, 1);
     assert!(
         !report.to_string().contains("law: "),
@@ -248,7 +248,7 @@ fn where_several_runs_do_a_step_in_other_ways_the_report_says_what_is_not_judged
 fn where_a_run_differs_from_the_others_the_difference_is_named() {
     let report = taught(&[run(1, Flaw::J2), run(2, Flaw::ActivityLeftOut)]);
     refused(&report);
-    assert!(report.to_string().contains("left out was p1: its step"), "{report}");
+    assert!(report.to_string().contains("p1 was left out: its step"), "{report}");
 }
 
 #[test]
@@ -338,7 +338,7 @@ fn a_run_that_was_saved_again_in_another_form_counts_once() {
     let mut runs = correct(4);
     runs.push(named("again", &saved_again(&recording(2, Flaw::None))));
     let said = refused(&taught(&runs));
-    assert!(said.contains("again was shown before: there are 4 different runs only"), "{said}");
+    assert!(said.contains("again repeats an earlier run: only 4 different runs remain"), "{said}");
 }
 
 /// However alike they are: the same person does the same job again and again.
@@ -351,6 +351,6 @@ fn runs_of_one_person_are_different_runs() {
     for seed in [SEED, SEED + 1] {
         let runs: Vec<Run> = (1..=8).map(|number| repetition(seed, number)).collect();
         let report = taught(&runs);
-        assert!(!report.to_string().contains("shown before"), "{report}");
+        assert!(!report.to_string().contains("an earlier run"), "{report}");
     }
 }

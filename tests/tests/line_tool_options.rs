@@ -167,7 +167,7 @@ fn a_recording_that_is_added_twice_is_noticed() {
     let (code, said) = folder.teach("job.toml", &["--add", folder.run(2)]);
     assert_eq!(code, Some(1), "{said}");
     assert!(
-        said.contains("run2.tracks.jsonl was shown before") && said.contains("\nnot written: "),
+        said.contains("run2.tracks.jsonl repeats an earlier run") && said.contains("\nnot written: "),
         "{said}"
     );
 }

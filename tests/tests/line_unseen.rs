@@ -299,7 +299,7 @@ fn assert_nothing_is_learnt_of_it(line: &Line, seen: &Path) {
     let said = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success(), "{said}");
     let is_told = said.contains("too little was seen of film.tracks.jsonl in step 1, IU 2 ")
-        || said.contains("left out was film.tracks.jsonl: ");
+        || said.contains("film.tracks.jsonl was left out: ");
     let is_learnt_from = |runs: &str| said.contains(&format!("\n   1   2      {runs}  "));
     assert!(is_told && is_learnt_from("4"), "{said}");
 }

@@ -116,11 +116,14 @@ impl TeachReport {
     /// What people should know of a job that can be used, one sentence each; empty if there is nothing.
     pub fn warnings(&self) -> Vec<Statement> {
         let words = |context| self.words(context);
-        let left_out =
-            self.disagreements.iter().map(|found| format!("left out was {}", found.sentence(&words)).into());
+        let left_out = self
+            .disagreements
+            .iter()
+            .map(|found| format!("{} was left out: {}", found.name, found.difference(&words)).into());
         let unsure = self.unsure.iter().cloned().map(Statement::from);
         let pauses = self.pauses.iter().map(|pause| {
-            let text = format!("{} is slow: {}; so short a pause is right", pause.run, pause.figures(&words));
+            let text =
+                format!("{} pauses: {}; a pause this short is accepted", pause.run, pause.figures(&words));
             Statement::of_run(text, Some(self.lies(pause)))
         });
         let questions = self.questions.iter().map(|odd| {
@@ -390,24 +393,26 @@ fn gives_way(strictness: Strictness) -> String {
 
 impl Disagreement {
     pub(super) fn sentence(&self, words: &dyn Fn(Context) -> String) -> String {
-        let Self { name, activity, iu, .. } = self;
+        format!("{}: {}", self.name, self.difference(words))
+    }
+
+    fn difference(&self, words: &dyn Fn(Context) -> String) -> String {
+        let Self { activity, iu, .. } = self;
         let (step, iu) = (activity + 1, iu + 1);
         match (self.had.map(words), self.others.map(words)) {
             (Some(had), Some(others)) => {
-                format!("{name}: in step {step}, IU {iu} it has {had}, the others have {others}")
+                format!("in step {step}, IU {iu} it has {had}, the others have {others}")
             }
             (Some(had), None) => {
-                format!("{name}: its step {step} goes on with {had}, that of the others has ended before")
+                format!("its step {step} goes on with {had}, that of the others has ended before")
             }
             (None, Some(others)) if iu == 1 => {
-                format!("{name}: it has no step {step}, which begins with {others} in the others")
+                format!("it has no step {step}, which begins with {others} in the others")
             }
             (None, Some(others)) => {
-                format!(
-                    "{name}: its step {step} ends before IU {iu}, that of the others goes on with {others}"
-                )
+                format!("its step {step} ends before IU {iu}, that of the others goes on with {others}")
             }
-            (None, None) => format!("{name}: its step {step} differs from that of the others"),
+            (None, None) => format!("its step {step} differs from that of the others"),
         }
     }
 }

@@ -44,12 +44,12 @@ pub(in crate::teach) fn without_copies(runs: &mut Vec<Run>) -> Option<Doubt> {
     let copies =
         runs.extract_if(.., |_| are_copies.next() == Some(true)).map(|run| run.name).collect::<Vec<_>>();
     let different = match runs.len() {
-        1 => "is one different run".to_owned(),
-        count => format!("are {count} different runs"),
+        1 => "one different run remains".to_owned(),
+        count => format!("{count} different runs remain"),
     };
     (!copies.is_empty()).then(|| {
         Doubt::new(
-            format!("{} shown before: there {different} only", names(&copies, ["was", "were"])),
+            format!("{} an earlier run: only {different}", names(&copies, ["repeats", "repeat"])),
             "give each recording once, and record more runs: 5 should be enough".to_owned(),
         )
     })
