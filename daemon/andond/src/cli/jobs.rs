@@ -36,9 +36,8 @@ pub struct Teach {
     /// The name of a recording that the existing job should no longer be taught from; can be repeated
     #[arg(long, value_name = "NAME")]
     pub without: Vec<String>,
-    /// How strict the job is, 1 to 5. Its measures accuse one right job in 133, 67, 33, 17 or 8. The stricter it is, the less evidence
-    /// makes the order of two steps a law. Up to 3 a rule gives way to one run that contradicts it, at 4 to two, at 5 to none
-    /// [default: 3, or that of the job]
+    /// How strict the job is, 1 to 5. Its measures accuse one right job in 133, 67, 33, 17 or 8. The stricter it is, the less evidence makes the
+    /// order of two steps a law. Up to 3 a rule gives way to one run that contradicts it, at 4 to two, at 5 to none. [default: 3, or that of the job]
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=5))]
     pub strictness: Option<u8>,
     /// Write the report as a page, with pictures of the steps and their order, and of where runs that stand out lie among the others
@@ -47,8 +46,8 @@ pub struct Teach {
     /// Draw the steps of the job and their order into this file
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
-    /// The number by which a PLC selects the job [default: its own if it is taught again, else the smallest free one of the station and
-    /// of the jobs beside it]
+    /// The number by which a PLC selects the job. [default: its own if it is taught again, else the smallest that no job of the station or beside it
+    /// has]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub id: Option<u32>,
     /// Name of the job [default: that of the job if it is taught again, else the name of the job file]
@@ -60,8 +59,7 @@ pub struct Teach {
     /// How motions are compared [default: circular, or that of the job]
     #[arg(long, value_enum)]
     pub cost: Option<Cost>,
-    /// Whether the steps must come in the order that most runs have, or may come in any [default: what all runs show is law, with enough
-    /// evidence]
+    /// Whether the steps must come in the order that most runs have, or may come in any. [default: what all runs show is law, with enough evidence]
     #[arg(long, value_name = "true|false")]
     pub order: Option<bool>,
     /// Write the job even if the report says that the runs cannot be trusted, and replace existing files
