@@ -94,7 +94,7 @@ deletions: setup test-packages
 	ANDON_SEED=$(SEED) ANDON_CASES=400 cargo test $(REALSENSE) --test learn_clips --test learn_vmci --test learn_doubt \
 		--test learn_two_hands nothing_is_accused
 
-# Says for every state of not watching that nothing rests on it, and for all that can be done to a picture that it is told; `make test` draws some.
+# Every state in which nobody watches leads to no result, and every change of a picture is told; `make test` draws some.
 unseen: setup test-packages
 	cargo build $(REALSENSE) --all-targets
 	ANDON_EVERY=1 cargo test $(REALSENSE) --test line_unseen --test perception_accuracy -- --nocapture

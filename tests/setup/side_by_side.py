@@ -23,7 +23,7 @@ from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from pathlib import Path
 
 PROCESSORS = os.cpu_count() or 1
-# A line of programs waits for others in most of its time, but more of them would make a machine so busy that they wait in vain.
+# A line of programs waits for others in most of its time. But more of them would make a machine so busy that they wait in vain.
 PROGRAMS = 2 + PROCESSORS
 # The page that says what each program took. Those that took longest begin first: at the end nothing else is left to run beside them. What computes
 # begins beside what waits: three that compute on two processors take more than twice as long as one after the other.

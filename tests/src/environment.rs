@@ -46,7 +46,7 @@ pub fn known_and_drawn(known: u64) -> [u64; 2] {
     [known, seed()]
 }
 
-/// One in as many, from a drawn one on: what takes minutes for all of them is tried in turn by one run after the other. `ANDON_EVERY=1` tries all.
+/// One in this many, from a drawn one on: a case that takes minutes is tried by one run in turn. `ANDON_EVERY=1` tries all.
 pub fn one_in<T>(default: u64, all: Vec<T>) -> Vec<T> {
     let every = number("ANDON_EVERY", default).max(1);
     let first = seed() % every;

@@ -1,5 +1,5 @@
-//! What people do with recordings: find the clip of a verdict, say that it was right, teach it, ask what another job would have said, remove it, and
-//! open it in viewers that are not ours.
+//! What people do with recordings. They find the clip of a verdict, say that it was right, teach it and ask what another job would have said. They
+//! remove it, and open it in other viewers.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_learn::recording;

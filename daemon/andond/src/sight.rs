@@ -1,4 +1,4 @@
-//! The words for what the line cannot see: the same in the log, in `andond status`, in `andond tail`, in the journal and for the PLC.
+//! The words for what the line cannot see. They are the same in the log, in `andond status`, in `andond tail`, in the journal and for the PLC.
 
 use andon_host::config::Config;
 use andon_host::log::{Code, code};

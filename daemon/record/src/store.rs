@@ -186,7 +186,7 @@ fn is_index_or_still(path: &Path) -> bool {
     is_ours(path) && path.extension().is_some_and(|ending| ending == "json" || ending == "jpg")
 }
 
-/// What the names of a recording and of everything beside it begin with: all up to the second point, of which the first is in the time.
+/// What the names of a recording and of everything beside it begin with. It ends before the second point; the first is in the time.
 fn stem(path: &Path) -> Option<String> {
     let name = path.file_name()?.to_string_lossy().into_owned();
     let end = name.match_indices('.').nth(1)?.0;

@@ -196,7 +196,7 @@ impl JobFile {
     /// Reads a job file. `file` is its name in error messages.
     ///
     /// # Errors
-    /// If the format, the version or the checksum is wrong, a key is unknown or missing, or a value breaks a rule of the method.
+    /// If format, version or checksum is wrong, a key is unknown or missing, or a value breaks a rule of the method.
     pub fn parse(file: &str, bytes: &[u8]) -> Result<Self, JobFileError> {
         parse(bytes).map_err(|fault| JobFileError { file: file.to_owned(), fault })
     }

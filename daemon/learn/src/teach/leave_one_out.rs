@@ -39,9 +39,9 @@ struct Fold<'a> {
 
 struct Rejection {
     name: String,
-    /// The first rule that it breaks of those that can be made weaker, with where it lies. What comes later may be a consequence of that: a run that
-    /// has a step, with one contact more, does not show that it can be left out. `None` if the others teach no job, or it does something else that
-    /// they do not know.
+    /// The first rule that it breaks of those that can be made weaker, with where it lies. Later differences may follow from it: a run that has a
+    /// step, with one contact more, does not show that it can be left out. `None` if the others teach no job, or it does something else that they do
+    /// not know.
     broken: Option<(Rule, Option<Distribution>)>,
 }
 

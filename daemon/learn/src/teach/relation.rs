@@ -3,8 +3,8 @@
 //! Every run that was shown is right. A before B is law where all runs that have both agree, and the gap between them is safely large. Its mean over
 //! the runs is large enough ([`margin`]) on the clock with the least spread for its size. Those clocks are the sequence of the one hand that does
 //! both, the sequence of the job for what one hand does too, and time. Between two hands only time counts, and hands that begin within a few seconds
-//! of each other show nothing. A person does not mind which is first. What all runs agree on without that evidence is a usage: another order is a
-//! note.
+//! of each other show nothing. A person does not mind which is first. An order that all runs have without that evidence is the usual order: another
+//! one is a note.
 //!
 //! Two unrelated steps come in the same order in all `n` runs with a probability of `2^(1-n)`, so one run shows no order at all.
 
