@@ -16,7 +16,7 @@ use crate::verdict::{Outcome, Reason, Verdict};
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn begin_activity(&mut self, context: Context, began_ns: u64, progress: &mut Progress<'a>) {
         if progress.begins_undone(context) {
-            self.doubt.forget_rest();
+            self.doubt.forget_remainder();
         }
         let (hidden, was_idle) = (self.doubt.begin_activity(context), self.doubt.was_idle());
         let step = match progress.shown_hand(self.side, context) {

@@ -225,7 +225,7 @@ impl HandDoubt {
     }
 
     /// What begins now is not the remainder of anything.
-    pub(super) fn forget_rest(&mut self) {
+    pub(super) fn forget_remainder(&mut self) {
         (self.may_be_remainder, self.is_object_new, self.unjudged) = (false, false, 0);
         self.is_begun_late = false;
     }

@@ -24,7 +24,7 @@ impl IuObservation {
             if may_be_hidden { self.possible_reversals() } else { self.assumed_reversals() };
         let MeasureBounds { path_m, .. } = iu.measures;
         let speed = path_m.max.min(f32::MAX) / iu.quickest().max(1) as f32;
-        // What was hidden may have been faster than the rest.
+        // Hidden motion may have been faster than seen motion.
         let share = HIDDEN_SLACK * hidden;
         let hidden_m = share * self.frames as f32 * speed;
         let Measures { reversals, path_m: walked_m, detour_m, lateral_m, unseen_before_way, .. } =

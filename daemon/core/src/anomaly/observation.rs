@@ -34,8 +34,8 @@ pub(super) struct IuObservation {
 /// The ends of an IU, and of a way: its beginning and its end.
 pub(super) const ENDS: u32 = 2;
 
-/// The share of an IU up to which what was hidden in it is assumed to have gone on like the rest. Short gaps hide no reversal, so beyond it
-/// half of the strokes could seem to be all of them.
+/// The share of an IU up to which hidden motion is assumed to have gone on like seen motion. Short gaps hide no reversal, so beyond it half of the
+/// strokes could seem to be all of them.
 const MAX_ASSUMED: f32 = 0.25;
 
 impl IuObservation {

@@ -132,9 +132,9 @@ table! {
         "Find out why the PLC, or another consumer, does not acknowledge; or raise journal.keep_mb";
     INFO 410 RECORDING_BEGAN: "a recording has begun", "";
     INFO 411 RECORDING_KEPT: "a recording is complete", "";
-    ERROR 412 RECORDINGS_UNWRITTEN: "recordings cannot be written; verdicts are not concerned, and Andon tries again until it can",
+    ERROR 412 RECORDINGS_UNWRITTEN: "recordings cannot be written; verdicts are not affected, and Andon tries again until it can",
         "Make room on the disk, lower record.keep_mb, or let the unit's user write in the folder of the recordings. If that is not below /var/lib/andon, name it as ReadWritePaths with `systemctl edit andon-record@NAME`";
-    WARN 413 RECORDING_SLOW: "the disk is too slow for the recording: some of it is missing, and verdicts are not concerned",
+    WARN 413 RECORDING_SLOW: "the disk is too slow for the recording: some of it is missing, and verdicts are not affected",
         "Record less (record.mode, record.quality), or give the recordings another disk by record.path, and name its folder as ReadWritePaths with `systemctl edit andon-record@NAME`";
     INFO 414 RECORDINGS_TRIMMED: "old recordings were removed by age, by size, or for the journal's room", "";
     WARN 415 RECORDING_REPAIRED: "a recording was not written to its end; what is whole in it was saved",
