@@ -45,9 +45,9 @@ pub(super) struct OpenActivity {
     /// Its number in the job, from 0.
     pub(super) number: u16,
     pub(super) step: Step,
-    /// A part of it also has passive contacts in the runs: its own one, or the other where the hand was not seen to come. No required step begins so.
-    /// A touch that is unlike the steps is then no step.
-    pub(super) may_differ: bool,
+    /// The runs also have passive contacts with its part, or with the other one where the hand was not seen to come. No required step begins so. A
+    /// touch that is unlike the steps is then no step.
+    pub(super) may_be_passive: bool,
     /// The nominal activities that it is like so far, but for the part that the hand took.
     pub(super) like: ActivitySet,
     /// What was not shown before in that it comes now.
@@ -122,7 +122,7 @@ impl OpenActivity {
         Self {
             number,
             step,
-            may_differ: false,
+            may_be_passive: false,
             like: ActivitySet::EMPTY,
             order_note: None,
             broken: None,
@@ -469,13 +469,13 @@ impl OpenActivity {
     /// Whether there is no fault in it, whatever was not seen. The hand rests where it was shown to, or it does a step that the job can do without,
     /// and no order is broken.
     pub(super) fn can_be_no_fault(&self, job: &Job<'_>) -> bool {
-        self.is_passive(job) || self.may_differ && self.broken.is_none()
+        self.is_passive(job) || self.may_be_passive && self.broken.is_none()
     }
 
     /// What was not shown before in this activity of a hand.
     pub(super) fn note(&self, side: Side, job: &Job<'_>) -> Option<Note> {
         match self.step {
-            Step::Untaught => (self.may_differ || !self.is_passive(job)).then_some(Note::Step),
+            Step::Untaught => (self.may_be_passive || !self.is_passive(job)).then_some(Note::Step),
             Step::Shown(shown) if shown != side => Some(Note::OtherHand),
             _ => self.order_note,
         }

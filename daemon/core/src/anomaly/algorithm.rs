@@ -33,7 +33,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if activity.is_beginning_seen(progress.job) {
             progress.set_start_seen(number, activity.as_shown(context));
         }
-        activity.may_differ = progress.may_differ(activity.as_shown(context), hidden == 0 || was_idle);
+        activity.may_be_passive =
+            progress.may_be_passive(activity.as_shown(context), hidden == 0 || was_idle);
         activity.is_begun_late = is_begun_late;
         if step == Step::Untaught {
             activity.like = ActivitySet::first(progress.job.activities.len());
@@ -80,7 +81,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, couple.context);
         self.comparisons.clear();
-        activity.may_differ &= progress.has_parts_of(context);
+        activity.may_be_passive &= progress.has_parts_of(context);
         let is_certain = !self.doubt.is_doubtful();
         let was_idle = self.doubt.was_idle();
         let before = (self.doubt.hidden_before(), self.doubt.begin_iu());

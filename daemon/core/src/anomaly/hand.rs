@@ -146,7 +146,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// What the hand does was not shown to be done by it, or may be no step, so nothing in it is wrong.
     pub(super) fn cannot_accuse(&self) -> bool {
         self.activity.as_ref().is_some_and(|activity| match activity.step {
-            Step::Shown(side) => side != self.side || activity.may_differ,
+            Step::Shown(side) => side != self.side || activity.may_be_passive,
             Step::Untaught => true,
             Step::Foreign => false,
         })

@@ -330,9 +330,9 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Whether the runs touch the part of this context in other ways as well, and require no activity of those that begin so. A hand that was
-    /// not seen to come may touch the other part of the context instead.
-    pub(super) fn may_differ(&self, context: Context, has_been_seen_to_come: bool) -> bool {
+    /// Whether a touch in this context may be a passive contact. The runs have such contacts with its part, and no required activity begins so. A
+    /// hand that was not seen to come may touch the other part of the context instead.
+    pub(super) fn may_be_passive(&self, context: Context, has_been_seen_to_come: bool) -> bool {
         let opening = self.opening(context);
         let parts = if has_been_seen_to_come { &context.0[1..2] } else { &context.0[1..] };
         parts.iter().any(|part| self.job.passive_contacts.contains(part))
