@@ -10,7 +10,7 @@ const GROUPS: [(u32, &str); 8] = [
     (100, "Camera"),
     (200, "What is seen"),
     (300, "Judging and jobs"),
-    (400, "Journal"),
+    (400, "Journal and recordings"),
     (500, "PLC"),
     (600, "Shared memory and processes"),
     (700, "The machine"),
