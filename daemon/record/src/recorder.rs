@@ -263,19 +263,33 @@ impl<S: Sink> Recorder<S> {
         self.ring.picture_at(time_ns)
     }
 
-    /// Ends what has lasted long enough.
+    /// Ends what has lasted long enough, or is large enough.
     pub fn look(&mut self, now_ns: u64) {
         let Some(open) = &self.open else { return };
+        let pictures_until_ns = open.pictures_until_ns;
+        let is_full = open.bytes >= self.file_bytes();
         let is_over = match self.record.mode {
             RecordMode::Fault => {
-                let is_shown = now_ns > open.pictures_until_ns;
-                let is_job_over = !self.is_job_running || now_ns > open.pictures_until_ns + LONGEST_TAIL_NS;
+                let is_shown = now_ns > pictures_until_ns;
+                let is_job_over = !self.is_job_running || now_ns > pictures_until_ns + LONGEST_TAIL_NS;
                 is_shown && is_job_over
             }
-            RecordMode::Always | RecordMode::Off => open.bytes >= self.file_bytes(),
+            RecordMode::Always | RecordMode::Off => is_full,
         };
         if is_over {
             self.end();
+        } else if is_full && open.waits_from.is_none() {
+            self.go_on(now_ns, pictures_until_ns);
+        }
+    }
+
+    /// Goes on with a clip in another file: where one fault follows the other it has no end, and the budget counts in files. Not while something
+    /// waits: its pictures may still be wanted, and what has none grows slowly.
+    fn go_on(&mut self, now_ns: u64, pictures_until_ns: u64) {
+        self.end();
+        self.begin(now_ns);
+        if let Some(open) = &mut self.open {
+            open.pictures_until_ns = pictures_until_ns;
         }
     }
 
@@ -518,6 +532,29 @@ mod tests {
         assert!(recorder.verdict(&verdict(VerdictOutcome::Anomaly), 10 * SECOND));
         run(&mut recorder, 10, 200, 10);
         assert!(!recorder.sink().is_open);
+    }
+
+    #[test]
+    fn a_clip_that_faults_keep_open_goes_on_in_another_file_and_loses_nothing() {
+        let record = Record { mode: RecordMode::Fault, file_mb: 1, ..Record::default() };
+        let mut recorder = Recorder::new(Written::default(), record);
+        recorder.attach(Attachment { name: "configuration.toml".into(), data: [].into() });
+        recorder.job(true, 0);
+        for second in 0..60 {
+            run(&mut recorder, second, second + 1, 10_000);
+            assert!(recorder.verdict(&verdict(VerdictOutcome::Anomaly), (second + 1) * SECOND));
+        }
+        recorder.end();
+        let written = recorder.sink();
+        let bytes = |recording: &Vec<Entry>| recording.iter().map(|entry| entry.data.len()).sum::<usize>();
+        assert!(written.recordings.iter().all(|recording| bytes(recording) <= (1 << 20) + 20_000));
+        assert_eq!(written.attached.len(), written.recordings.len());
+        let all: Vec<u64> = written.recordings.iter().flatten().map(|entry| entry.sent_ns).collect();
+        assert!(
+            all.len() == 1200 && all.is_sorted(),
+            "two messages, ten times in each of 60 s: {}",
+            all.len()
+        );
     }
 
     #[test]
