@@ -288,9 +288,11 @@ impl<N: Narrator> Recording<N> {
         Ok(())
     }
 
-    /// Every frame that waits. One that cannot be a picture is kept as its header alone.
+    /// The frames that wait. One that cannot be a picture is kept as its header alone. No more than can wait at once: where the machine is too slow to
+    /// encode them, more would come for ever, and everything else would be lost as well.
     fn take_frames(&mut self) -> Result<(), RecordError> {
-        while let Some(frame) = self.frames.take().map_err(CycleError::from)? {
+        for _ in 0..Channel::Frame.qos().buffer {
+            let Some(frame) = self.frames.take().map_err(CycleError::from)? else { break };
             let header = frame.header();
             self.recorder.take(raw(Channel::Frame, &header.stamp, bytes_of(header)), false);
             if header.width > 0 && header.flags & flag::END_OF_STREAM == 0 {
