@@ -60,6 +60,7 @@ pub fn repair(path: &Path) -> Result<Repaired, RepairError> {
         std::fs::remove_file(path).map_err(failed)?;
         return Ok(Repaired::Removed);
     }
+    let changed = file.metadata().and_then(|file| file.modified()).map_err(opened)?;
     file.seek(SeekFrom::Start(0)).map_err(opened)?;
     let reader = RecordingReader::new(BufReader::new(file), path)?;
     let part = atomic::beside(path).map_err(failed)?;
@@ -73,6 +74,8 @@ pub fn repair(path: &Path) -> Result<Repaired, RepairError> {
         std::fs::remove_file(path).map_err(failed)?;
         return Ok(Repaired::Removed);
     }
+    // It is as old as it was: a repair must not keep pictures for longer.
+    part.as_file().set_modified(changed).map_err(failed)?;
     atomic::put(part.into_temp_path(), path).map_err(failed)?;
     Index::of(path)?.write_beside(path).map_err(failed)?;
     Ok(Repaired::Completed)

@@ -8,8 +8,10 @@ use andon_record::{
 };
 use shm_schemas::{Detections, Verdict, VerdictLevel, VerdictOutcome, bytes_of};
 use std::collections::BTreeMap;
+use std::fs::File;
 use std::io::Cursor;
 use std::path::Path;
+use std::time::{Duration, SystemTime};
 
 const SECOND: u64 = 1_000_000_000;
 
@@ -107,7 +109,10 @@ fn a_file_that_is_cut_is_completed_with_everything_that_is_whole_in_it_and_its_i
     let cut = &bytes[..bytes.len() * 2 / 3];
     let (whole, _) = read(cut).unwrap();
     std::fs::write(&path, cut).unwrap();
+    let long_ago = SystemTime::UNIX_EPOCH + Duration::from_secs(SECOND);
+    File::options().write(true).open(&path).unwrap().set_modified(long_ago).unwrap();
     assert_eq!(repair(&path).unwrap(), Repaired::Completed);
+    assert_eq!(path.metadata().unwrap().modified().unwrap(), long_ago, "its days go on");
     assert_eq!(read(&std::fs::read(&path).unwrap()).unwrap(), (whole, End::Complete));
     let index = Index::beside(&path).unwrap();
     let verdicts: Vec<_> = index.verdicts.iter().map(|verdict| (verdict.epoch, verdict.seq)).collect();
