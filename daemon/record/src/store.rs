@@ -51,11 +51,20 @@ const SPARE: u64 = 64 << 20;
 /// That the folder cannot be read.
 pub fn recordings(folder: &Path) -> io::Result<Vec<Recording>> {
     let with_index = |path: PathBuf| {
-        // What cannot be read shows nothing; who opens it by its name is told why.
-        let index = Index::beside(&path).or_else(|| Index::of(&path).ok()).unwrap_or_default();
+        let index = Index::beside(&path).or_else(|| Index::of(&path).ok());
+        let index = index.unwrap_or_else(|| of_unread(&path));
         Recording { path, index }
     };
     Ok(files(folder)?.into_iter().map(with_index).collect())
+}
+
+/// What cannot be read shows nothing, and was made when its file was written last; who opens it by its name is told why it cannot be.
+fn of_unread(recording: &Path) -> Index {
+    let changed = fs::metadata(recording).and_then(|file| file.modified()).ok();
+    let since_1970 = changed.and_then(|changed| changed.duration_since(SystemTime::UNIX_EPOCH).ok());
+    // 2^64 ns are 584 years.
+    let utc_ns = since_1970.unwrap_or_default().as_nanos() as u64;
+    Index { began_utc_ns: utc_ns, ended_utc_ns: utc_ns, verdicts: Vec::new() }
 }
 
 /// The files of the recordings of a folder, the oldest first.
@@ -93,11 +102,11 @@ pub fn by_verdict(recordings: &[Recording]) -> HashMap<MessageId, &Recording> {
     verdicts.collect()
 }
 
-/// Removes what a repair that was killed has left.
-pub(crate) fn sweep(folder: &Path) {
+/// Removes what a recorder that was killed has left of a repair or of an index. Only where no recorder runs: one that does may be writing such a file.
+pub fn sweep(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
-        if name.starts_with(".andon-") && name.ends_with(ENDING) {
+        if name.starts_with(".andon-") && [ENDING, "json"].iter().any(|ending| name.ends_with(ending)) {
             // What cannot be removed now is no recording and does no harm.
             let _ = fs::remove_file(entry.path());
         }
@@ -170,14 +179,16 @@ pub fn remove_file(path: &Path) -> io::Result<()> {
 /// # Errors
 /// What the system says.
 pub fn orphans(folder: &Path) -> io::Result<Vec<PathBuf>> {
-    let stems: HashSet<_> = files(folder)?.iter().filter_map(|path| stem(path)).collect();
     let mut found = Vec::new();
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
-        if is_index_or_still(&path) && stem(&path).is_some_and(|stem| !stems.contains(&stem)) {
+        if is_index_or_still(&path) {
             found.push(path);
         }
     }
+    // After them: a recording that has begun meanwhile has none of these beside it.
+    let stems: HashSet<_> = files(folder)?.iter().filter_map(|path| stem(path)).collect();
+    found.retain(|path| stem(path).is_some_and(|stem| !stems.contains(&stem)));
     found.sort();
     Ok(found)
 }
@@ -206,13 +217,15 @@ fn beside(recording: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(paths)
 }
 
-/// Removes the oldest recordings until what is left is within the budget, and returns how many. What a recorder writes stays, whichever it is.
+/// Removes the oldest recordings until what is left is within the budget, and returns how many. What a recorder writes stays, whichever it is, and so
+/// does what cannot be removed, as somebody else's: then the next ones go.
 ///
 /// # Errors
-/// What the system says.
+/// That the folder cannot be read.
 pub fn enforce(folder: &Path, budget: &Budget) -> io::Result<u64> {
     for path in orphans(folder)? {
-        remove_file(&path)?;
+        // One that stays is tried again the next time.
+        let _ = remove_file(&path);
     }
     let oldest = SystemTime::now().checked_sub(budget.age);
     let mut kept = Vec::new();
@@ -224,7 +237,7 @@ pub fn enforce(folder: &Path, budget: &Budget) -> io::Result<u64> {
     let mut removed = 0;
     for (path, bytes, is_too_old) in kept {
         let is_too_much = total > budget.bytes || lacks_room(folder, budget);
-        if (is_too_old || is_too_much) && remove(&path)? == Removed::Gone {
+        if (is_too_old || is_too_much) && remove(&path).is_ok_and(|removed| removed == Removed::Gone) {
             total -= bytes;
             removed += 1;
         }
@@ -365,6 +378,36 @@ mod tests {
         let folder = folder_of([(1, "json"), (1, "7-1.jpg"), (2, "mcap"), (2, "json")], &theirs);
         assert_eq!(enforce(folder.path(), &Budget { bytes: 0, ..GENEROUS }).unwrap(), 1);
         assert_eq!(names(folder.path()), theirs);
+    }
+
+    #[test]
+    fn what_cannot_be_removed_stays_and_the_next_ones_go() {
+        let folder = folder_of([(2, "mcap"), (3, "mcap")], &[]);
+        // As little as the file of another user is a folder of this name one that can be removed.
+        let [first] = of_day([(1, "mcap")]);
+        fs::create_dir(folder.path().join(&first)).unwrap();
+        assert_eq!(enforce(folder.path(), &Budget { bytes: 0, ..GENEROUS }).unwrap(), 2);
+        assert_eq!(names(folder.path()), [first]);
+    }
+
+    #[test]
+    fn what_cannot_be_read_was_made_when_its_file_was_written() {
+        let folder = folder_of([(1, "mcap")], &[]);
+        let [path] = files(folder.path()).unwrap().try_into().unwrap();
+        let written = SystemTime::UNIX_EPOCH + Duration::from_secs(1_795_850_914);
+        fs::File::options().write(true).open(&path).unwrap().set_modified(written).unwrap();
+        let [found] = recordings(folder.path()).unwrap().try_into().unwrap();
+        assert_eq!(found.index.ended_utc_ns, 1_795_850_914_000_000_000);
+        assert!(found.index.verdicts.is_empty());
+    }
+
+    #[test]
+    fn what_a_recorder_that_was_killed_has_left_goes_and_nothing_else_does() {
+        let folder =
+            folder_of([(1, "mcap"), (1, "json")], &[".andon-a1.mcap", ".andon-b2.json", ".andon-c3.toml"]);
+        sweep(folder.path());
+        let [recording, index] = of_day([(1, "mcap"), (1, "json")]);
+        assert_eq!(names(folder.path()), [".andon-c3.toml".to_owned(), index, recording]);
     }
 
     #[test]

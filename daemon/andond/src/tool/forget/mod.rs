@@ -54,6 +54,10 @@ fn remove_all(config: &Config, found: &[Recording], meant: &Meant) -> Result<Vec
             Removed::InUse => written.push(path.clone()),
         }
     }
+    // A recorder does it when it begins. Where none runs, nobody else would.
+    if !config.ipc_station().map_err(ToolError::Station)?.is_in_use() {
+        store::sweep(&config.recordings());
+    }
     // A folder that is not there has none.
     for path in store::orphans(&config.recordings()).unwrap_or_default() {
         store::remove_file(&path).map_err(failed(&path))?;
