@@ -1,8 +1,9 @@
 //! Writes recordings in a thread of its own: a disk that is slow or full costs recordings, and never holds up the role that receives.
 
 use std::collections::HashSet;
-use std::fs::File;
-use std::io::{self, BufWriter};
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufWriter, Write as _};
+use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -255,7 +256,7 @@ impl Work {
                 self.with_open(|open| open.writer.attach(&attachment, UtcTime::now().nanoseconds()))
             }
             Order::Still(verdict, jpeg) => {
-                self.with_open(|open| Ok(std::fs::write(still_of(&open.path, verdict), jpeg)?))
+                self.with_open(|open| Ok(write_still(&still_of(&open.path, verdict), &jpeg)?))
             }
             Order::End => self.end(),
             Order::Probe => {
@@ -360,6 +361,17 @@ impl Work {
     }
 }
 
+/// For a file that its owner alone may read, whatever the user's mask says: it shows people.
+fn private() -> OpenOptions {
+    let mut options = File::options();
+    options.write(true).mode(0o600);
+    options
+}
+
+fn write_still(path: &Path, jpeg: &[u8]) -> io::Result<()> {
+    private().create(true).truncate(true).open(path)?.write_all(jpeg)
+}
+
 /// There is no more room, as far as recordings may know.
 fn full() -> McapError {
     io::Error::new(io::ErrorKind::StorageFull, "the rest of this disk is the journal's").into()
@@ -367,7 +379,7 @@ fn full() -> McapError {
 
 impl Open {
     fn create(path: &Path, offset_ns: i128) -> Result<Self, McapError> {
-        let file = File::create_new(path)?;
+        let file = private().create_new(true).open(path)?;
         // Who repairs sees by it that this one is not cut.
         let _ = store::lock(&file);
         let writer = RecordingWriter::new(BufWriter::new(file), offset_ns)?;
@@ -424,6 +436,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::reader::RecordingReader;
+    use std::os::unix::fs::PermissionsExt as _;
 
     const PATIENCE: Duration = Duration::from_secs(30);
 
@@ -474,6 +487,20 @@ mod tests {
         disk.finish();
         let [recording] = store::files(&folder).unwrap().try_into().unwrap();
         assert!(RecordingReader::open(&recording).is_ok());
+    }
+
+    #[test]
+    fn pictures_of_people_are_readable_by_their_owner_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut disk = Disk::start(folder.path().into(), budget(), 1 << 20).unwrap();
+        disk.begin(1, 0);
+        assert!(disk.write(entry(1000)) && disk.still(MessageId { epoch: 7, seq: 1 }, vec![0; 1000]));
+        disk.finish();
+        let [recording] = store::files(folder.path()).unwrap().try_into().unwrap();
+        let still = still_of(&recording, MessageId { epoch: 7, seq: 1 });
+        for path in [recording, still] {
+            assert_eq!(path.metadata().unwrap().permissions().mode() & 0o777, 0o600, "{}", path.display());
+        }
     }
 
     /// A recording whose recorder was killed.
