@@ -222,11 +222,11 @@ impl Run {
         Ok(None)
     }
 
-    /// The picture of the newest frame, where there is one.
+    /// The picture of the newest frame, where there is one of the size of the first.
     pub fn shown(&self) -> Option<(PictureFormat, &[u8], &Detections)> {
         let format = self.format?;
-        let (_, picture, seen) = self.frames.shown()?;
-        Some((format, picture, seen))
+        let (own, picture, seen) = self.frames.shown()?;
+        ((own.width, own.height) == (format.width, format.height)).then_some((format, picture, seen))
     }
 
     /// How it ended; complete until it has.
