@@ -260,10 +260,10 @@ impl<'p> Line<'p> {
 
     /// The source has ended: the judge hears of it, if the message was sent.
     fn end(&mut self, captured_ns: u64) {
-        let sent = self.recorded.plan.sent.iter().filter(|((frame_ns, _), _)| *frame_ns == captured_ns);
-        let ids: Vec<MessageId> = sent.flat_map(|(_, sent)| sent.iter().map(|sent| sent.id)).collect();
+        let sent = self.recorded.plan.sent.range((captured_ns, 0)..=(captured_ns, u64::MAX));
+        let ids = sent.flat_map(|(_, sent)| sent.iter().map(|sent| sent.id));
         // The message of the end is the last one that was sent after this frame.
-        let Some(id) = ids.into_iter().max_by_key(|id| (id.epoch, id.seq)) else { return };
+        let Some(id) = ids.max_by_key(|id| (id.epoch, id.seq)) else { return };
         self.deeds(&self.recorded.plan.before, id);
         self.inputs.push_back(Input::End);
         self.deeds(&self.recorded.plan.after, id);

@@ -1,6 +1,6 @@
 //! What the roles did while a recording was made, as far as their results depend on it.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
@@ -57,7 +57,7 @@ pub struct Plan {
     /// The encoders, in their order.
     pub encoders: Vec<EncoderRun>,
     /// What was sent after each frame, by CLOCK_MONOTONIC of the frame and the start of the role.
-    pub sent: HashMap<(u64, u64), Vec<Sent>>,
+    pub sent: BTreeMap<(u64, u64), Vec<Sent>>,
     /// What the judges did before they took these couples, in its order.
     pub before: HashMap<MessageId, Vec<Deed>>,
     /// What they did after they had taken these, in its order.
@@ -81,7 +81,7 @@ struct Reading {
     detections: Option<(MessageId, MessageId)>,
     couples: Vec<MessageId>,
     encoders: Vec<EncoderRun>,
-    sent: HashMap<(u64, u64), Vec<Sent>>,
+    sent: BTreeMap<(u64, u64), Vec<Sent>>,
     commands: Vec<CommandMessage>,
     judgings: Vec<Judging>,
     verdicts: Vec<Verdict>,
@@ -218,6 +218,9 @@ impl Reading {
         let station = Station::of(path, &self.attached)?;
         let (mut before, mut after) = (HashMap::<_, Vec<_>>::new(), HashMap::<_, Vec<_>>::new());
         let first_couples = self.couples.first().copied();
+        // A day has millions of them, and thousands of commands.
+        let couples: HashSet<MessageId> = self.couples.iter().copied().collect();
+        let firsts = self.firsts();
         let mut is_from_start = match (self.encoders.first(), self.first_frame_ns) {
             (Some(run), Some(first_ns)) => run.began_ns >= first_ns,
             _ => true,
@@ -227,11 +230,11 @@ impl Reading {
         let is_enabled_at_start = !(plc.enable && plc.writes);
         let mut known = State::default();
         let mut obeyed = HashSet::new();
-        for (index, judging) in self.judgings.iter().enumerate() {
+        for judging in &self.judgings {
+            let first = firsts.get(&judging.stamp.epoch).copied();
             if judging.stamp.epoch != known.epoch {
-                let first = self.first_of(index);
                 // Where the recording begins in the middle of a judge, its state is known and what it had seen is not.
-                let is_middle = known.epoch == 0 && first.is_some_and(|first| !self.couples.contains(&first));
+                let is_middle = known.epoch == 0 && first.is_some_and(|first| !couples.contains(&first));
                 is_from_start &= !is_middle;
                 let place = if is_middle { first_couples } else { first };
                 let is_enabled = if is_middle { judging.is_enabled != 0 } else { is_enabled_at_start };
@@ -247,8 +250,8 @@ impl Reading {
             if judging.command != known.command || judging.model_hash != known.model_hash {
                 let place = MessageId { epoch: judging.obeyed_epoch, seq: judging.obeyed_seq };
                 let deeds = self.deeds(judging, known, &mut obeyed);
-                let is_at_begin = place.seq == 0 || !self.couples.contains(&place);
-                match (is_at_begin, self.first_of(index).or(first_couples)) {
+                let is_at_begin = place.seq == 0 || !couples.contains(&place);
+                match (is_at_begin, first.or(first_couples)) {
                     (false, _) => after.entry(place).or_default().extend(deeds),
                     (true, Some(first)) => before.entry(first).or_default().extend(deeds),
                     (true, None) => (),
@@ -269,12 +272,14 @@ impl Reading {
         })
     }
 
-    /// The first couples that the judge of this message took, as far as any of its messages says it.
-    fn first_of(&self, index: usize) -> Option<MessageId> {
-        let epoch = self.judgings.get(index)?.stamp.epoch;
-        let of_judge = self.judgings.iter().filter(|judging| judging.stamp.epoch == epoch);
-        let mut firsts = of_judge.filter(|judging| judging.first_seq != 0);
-        firsts.next().map(|judging| MessageId { epoch: judging.first_epoch, seq: judging.first_seq })
+    /// The first couples that each judge took, by its start, as far as any of its messages says it.
+    fn firsts(&self) -> HashMap<u64, MessageId> {
+        let mut firsts = HashMap::new();
+        for judging in self.judgings.iter().filter(|judging| judging.first_seq != 0) {
+            let first = MessageId { epoch: judging.first_epoch, seq: judging.first_seq };
+            firsts.entry(judging.stamp.epoch).or_insert(first);
+        }
+        firsts
     }
 
     /// What the judge did between two of its messages. Of several commands that it obeyed at once only the last is named: those before it came at the
