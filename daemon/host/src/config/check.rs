@@ -288,8 +288,16 @@ impl Checks<'_> {
                 );
                 self.fault(key, &[], problem);
             }
-            if record.size.is_none() && polygons.iter().any(|corners| !corners.is_empty()) {
-                let problem = "needs record.size: the size of the picture that it was drawn on".into();
+            let mut corners = polygons.iter().flatten();
+            let without = "needs record.size: the size of the picture that it was drawn on";
+            let problem = match record.size {
+                None => corners.next().map(|_| without.to_owned()),
+                // What was drawn on a larger picture would hide something else, or nothing.
+                Some([width, height]) => corners.find(|[x, y]| *x > width || *y > height).map(|[x, y]| {
+                    format!("the corner [{x}, {y}] lies outside of record.size = [{width}, {height}]")
+                }),
+            };
+            if let Some(problem) = problem {
                 self.fault(key, &["record.size"], problem);
             }
         }
