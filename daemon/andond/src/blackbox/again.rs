@@ -336,9 +336,10 @@ fn obey(
             session.is_enabled = false;
             watch.break_off(take)?;
         }
-        Deed::Obeyed(Command::Start) => watch.start(take),
+        // While nobody watches it is refused. Of several commands at one place only the last one's refusal is recorded.
+        Deed::Obeyed(Command::Start) if session.is_enabled => watch.start(take),
         Deed::Obeyed(Command::Abort) => watch.finish(take)?,
-        Deed::Obeyed(Command::LoadJob { .. } | Command::SetPart { .. }) => (),
+        Deed::Obeyed(Command::Start | Command::LoadJob { .. } | Command::SetPart { .. }) => (),
     }
     Ok(None)
 }
