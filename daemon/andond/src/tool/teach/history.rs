@@ -1,9 +1,11 @@
 //! The runs that people have confirmed, out of the recordings of a station: each becomes a track file beside the job file.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use andon_host::atomic::{self, folder_of};
 use andon_host::config::Config;
+use andon_learn::digest::sha256_hex;
 use andon_learn::job_file::JobFile;
 use andon_record::store;
 use shm_schemas::{MessageId, flag};
@@ -12,6 +14,7 @@ use crate::blackbox::{Frames, piece_of, station_of};
 use crate::cli::Was;
 use crate::recorder::{Recorder, header};
 use crate::tool::clip::recordings;
+use crate::tool::runs::file_name;
 use crate::tool::{ToolError, cannot_write, confirm};
 use crate::wire;
 
@@ -50,7 +53,17 @@ pub(super) fn of(config: &Config, out: &Path, before: Option<&JobFile>) -> Resul
     if found.runs.is_empty() && found.withdrawn.is_empty() {
         return Err(ToolError::NothingConfirmed);
     }
+    found.runs = once_each(found.runs, &|name| sources.iter().any(|source| source.name == name));
     Ok(found)
+}
+
+/// A piece has several verdicts: confirmed more than once it is one run, under the name by which the job knows it already.
+fn once_each(mut runs: Vec<PathBuf>, is_source: &dyn Fn(&str) -> bool) -> Vec<PathBuf> {
+    runs.sort_by_key(|run| !is_source(&file_name(run)));
+    let mut seen = HashSet::new();
+    // One that cannot be read is named as such where it is taught.
+    runs.retain(|run| std::fs::read(run).map_or(true, |bytes| seen.insert(sha256_hex(&bytes))));
+    runs
 }
 
 /// The name of a run: of all verdicts that there ever are, this one has it.
@@ -81,4 +94,24 @@ fn write(recording: &Path, verdict: MessageId, run: &Path) -> Result<bool, ToolE
     recorder.finish()?;
     atomic::put(part.into_temp_path(), run).map_err(failed)?;
     Ok(true)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_piece_of_which_two_verdicts_were_confirmed_is_one_run_and_keeps_its_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let runs = [(1, "one piece"), (2, "one piece"), (3, "another")].map(|(seq, frames)| {
+            let run = folder.path().join(name_of(MessageId { epoch: 7, seq }));
+            std::fs::write(&run, frames).unwrap();
+            run
+        });
+        let [first, second, third] = runs.clone();
+        assert_eq!(once_each(runs.to_vec(), &|_| false), [first.clone(), third.clone()]);
+        let known = file_name(&second);
+        assert_eq!(once_each(runs.to_vec(), &|name| name == known), [second, third]);
+    }
 }
