@@ -3,7 +3,7 @@
 
 use andon_record::{End, Item, ReadError, RecordingReader, Topic, store};
 use andon_tests::environment;
-use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, andond, control};
+use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, andond, control, status};
 use andon_tests::simulator::Flaw;
 use rustix::process::Signal;
 use shm_schemas::{JudgePhase, Refusal, RoleId, RoleState, VerdictOutcome};
@@ -228,6 +228,28 @@ fn a_recorder_that_is_killed_at_any_moment_leaves_files_that_are_completed_and_t
         assert_eq!(reader.end(), End::Complete, "{}", recording.display());
     }
     assert!(detections > 0 && !found.is_empty());
+}
+
+#[test]
+fn a_recorder_that_is_killed_or_stopped_is_no_fault_of_the_line_to_the_plc() {
+    let mut line = Line::new(Settings { writes: true, ..Settings::live() });
+    recording(&line, "always");
+    let _watcher = up(&mut line);
+    let mut plc = Modbus::connect_when_up(line.port);
+    plc.enable();
+    plc.wait_for(status::READY);
+    for signal in [Signal::KILL, Signal::TERM] {
+        line.role("record").signal(signal);
+        line.role("record").wait();
+        // The end of a writer is heard within a fraction of this. On a busy machine the line may be unready for other reasons.
+        std::thread::sleep(Duration::from_secs(2));
+        let log = line.log("plc");
+        assert!(!log.contains("a process of the line has gone"), "{log}");
+        line.start("record");
+        plc.control(control::ENABLE | control::RESET_ERROR).unwrap();
+        plc.enable();
+        plc.wait_for(status::READY);
+    }
 }
 
 /// Every file under a folder.

@@ -6,6 +6,8 @@ use andon_host::config::Config;
 use andon_host::log::code;
 use andon_ipc::{Heartbeat, MonotonicTime};
 use andon_plc::handshake::{Fault, Line};
+use rustix::io::Errno;
+use rustix::process::{Pid, test_kill_process};
 use shm_schemas::{Health, RoleId, RoleState};
 
 use crate::sight;
@@ -13,7 +15,9 @@ use crate::sight;
 /// The newest health of each role that the line needs, in the order of the data path: the first unhealthy role is the cause.
 pub(super) struct LineHealth {
     roles: Vec<RoleHealth>,
-    /// When the newest departure of a writer was noticed. Which one left shows by who sends no health after that.
+    /// When a process left of which it is not known yet whether the line needs it.
+    left: Option<MonotonicTime>,
+    /// When the newest departure of one that it needs was noticed. Which one left shows by who sends no health after that.
     departure: MonotonicTime,
     /// A role that has started again since the last look: it is reported once, even if everybody has been heard since.
     restarted: Option<RoleId>,
@@ -41,7 +45,8 @@ impl LineHealth {
         let mut roles: Vec<RoleHealth> = config.roles().into_iter().filter_map(expected).collect();
         // The steward carries no data: another role names the cause better.
         roles.sort_by_key(|expected| expected.role == RoleId::Steward);
-        Self { roles, departure: MonotonicTime::default(), restarted: None, was_ready: false, culprit: None }
+        let departure = MonotonicTime::default();
+        Self { roles, left: None, departure, restarted: None, was_ready: false, culprit: None }
     }
 
     /// Takes the health that a role has sent.
@@ -56,13 +61,24 @@ impl LineHealth {
         }
     }
 
-    /// Some role has departed.
+    /// Some role has departed: one of the line, or one that no verdict needs, as `record`.
     pub(super) fn departed(&mut self, now: MonotonicTime) {
-        self.departure = now;
+        self.left = Some(now);
+    }
+
+    /// Looks whether who has left is one of the line. A process leaves its channels a moment before it is gone, so it is looked for some time.
+    fn look_for_departed(&mut self, now: MonotonicTime) {
+        let Some(left) = self.left else { return };
+        if self.roles.iter().any(RoleHealth::is_gone) {
+            (self.departure, self.left) = (left, None);
+        } else if now.since(left) > LEAVING {
+            self.left = None;
+        }
     }
 
     /// The state of the line now.
     pub(super) fn line(&mut self, now: MonotonicTime) -> Line {
+        self.look_for_departed(now);
         if let Some(role) = self.restarted.take().filter(|_| self.was_ready) {
             self.culprit = Some((role, "has started again"));
             return MISSING;
@@ -98,7 +114,15 @@ impl LineHealth {
 /// A process is noticed to have gone before it is known which: all roles are silent until they are heard again.
 const GONE: &str = "a process of the line has gone, and `andond status` says which";
 
+/// A process that has left its channels is gone by then. One that is not, and silent, is found by its deadline.
+const LEAVING: Duration = Duration::from_secs(1);
+
 impl RoleHealth {
+    /// Whether its process is not there any more, as far as it was heard.
+    fn is_gone(&self) -> bool {
+        self.newest.is_some_and(|health| !lives(health.pid))
+    }
+
     /// The state of the line as far as this role determines it, and what is the matter with the role.
     fn line(&self, now: MonotonicTime, departure: MonotonicTime) -> (Line, &'static str) {
         let Some(health) = &self.newest else { return (MISSING, "has not been heard yet") };
@@ -133,6 +157,12 @@ impl RoleHealth {
             Err(_) => (fault(Fault::Role), "is of another version"),
         }
     }
+}
+
+/// Whether there is a process of this number. One that this user may not signal is there.
+fn lives(pid: u32) -> bool {
+    let pid = i32::try_from(pid).ok().and_then(Pid::from_raw);
+    pid.is_some_and(|pid| test_kill_process(pid) != Err(Errno::SRCH))
 }
 
 #[cfg(test)]
@@ -224,6 +254,25 @@ mod tests {
             line.received(&health(*role, RoleState::Running, 10 * S + 3));
         }
         assert_eq!(line.line(at(10 * S + 4)), Line::Ready);
+    }
+
+    #[test]
+    fn who_leaves_and_is_needed_by_no_verdict_is_no_fault_of_the_line() {
+        let mut line = LineHealth::new(&Config::default());
+        for &role in RoleId::ALL {
+            let health = health(role, RoleState::Running, 10 * S);
+            line.received(&Health { pid: std::process::id(), ..health });
+        }
+        assert_eq!(line.line(at(10 * S)), Line::Ready);
+        line.departed(at(10 * S + 1));
+        assert_eq!(line.line(at(10 * S + 2)), Line::Ready);
+        // This time it is the judge, whose process is seen to be gone a moment later.
+        let mut process = std::process::Command::new("true").spawn().unwrap();
+        line.received(&Health { pid: process.id(), ..health(RoleId::Judge, RoleState::Running, 10 * S) });
+        line.departed(at(10 * S + 3));
+        process.wait().unwrap();
+        assert_eq!(fault_of(line.line(at(10 * S + 4))), Some(Fault::Role));
+        assert_eq!(line.cause(), GONE);
     }
 
     #[test]
