@@ -97,7 +97,7 @@ deletions: setup test-packages
 # Every state in which nobody watches leads to no result, and every change of a picture is told; `make test` draws some.
 unseen: setup test-packages
 	cargo build $(REALSENSE) --all-targets
-	ANDON_EVERY=1 cargo test $(REALSENSE) --test line_unseen --test perception_accuracy -- --nocapture
+	ANDON_EVERY=1 cargo test $(REALSENSE) --test line_unseen --test line_sight --test perception_accuracy -- --nocapture
 
 # Lets every connection that a role makes fail once; `make test` lets every seventh.
 deaf: setup test-packages

@@ -1,6 +1,7 @@
 //! What a line says of its own sight: in the log, in the health, to the PLC, by its tools and in the journal.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use andon_tests::environment;
 use andon_tests::line::{Line, PATIENCE, Watcher, andond, root};
 use shm_schemas::{RoleId, Sight};
 use std::path::Path;
@@ -110,20 +111,43 @@ const fn blind(code: &'static str, meaning: &'static str, remedy: &'static str) 
     Words { code, meaning, remedy, word: "BLIND" }
 }
 
-#[test]
-fn a_black_picture_is_said_everywhere_and_undone_when_it_is_over() {
-    let line = line_that_shows("lutyuv=y=16:u=128:v=128:enable='between(t,4,9)'");
-    said_and_undone(line, Sight::Black, &blind("AND-213", "the picture is black", "Switch on the light"));
-}
-
-#[test]
-fn a_white_picture_is_said_everywhere_and_undone_when_it_is_over() {
-    let line = line_that_shows("lutyuv=y=255:u=128:v=128:enable='between(t,4,9)'");
-    said_and_undone(
-        line,
+/// What is done to the picture, and what is said of it.
+const SHOWN: [(&str, Sight, Words); 6] = [
+    (
+        "lutyuv=y=16:u=128:v=128",
+        Sight::Black,
+        blind("AND-213", "the picture is black", "Switch on the light"),
+    ),
+    (
+        "lutyuv=y=255:u=128:v=128",
         Sight::White,
-        &blind("AND-214", "the picture is white", "lower camera.exposure_us"),
-    );
+        blind("AND-214", "the picture is white", "lower camera.exposure_us"),
+    ),
+    (
+        "drawbox=c=0x6a4030:t=fill",
+        Sight::Covered,
+        blind("AND-215", "something lies over the lens", "Clear the camera's view"),
+    ),
+    ("gblur=sigma=12", Sight::Blurred, blind("AND-216", "the picture is blurred", "Clean the lens")),
+    (
+        "noise=alls=100:allf=t",
+        Sight::Noisy,
+        blind("AND-217", "the picture is so noisy", "Light the bench better"),
+    ),
+    (
+        "rotate=0.08:c=gray",
+        Sight::CameraMoved,
+        blind("AND-222", "the camera has been moved", "Put the camera back"),
+    ),
+];
+
+/// Each draw tries one in three; `ANDON_EVERY=1` tries all.
+#[test]
+fn what_blinds_a_picture_is_said_everywhere_and_undone_when_it_is_over() {
+    for (filter, sight, words) in environment::one_in(3, SHOWN.iter().collect()) {
+        println!("{filter}");
+        said_and_undone(line_that_shows(&format!("{filter}:enable='between(t,4,9)'")), *sight, words);
+    }
 }
 
 #[test]
@@ -132,42 +156,6 @@ fn a_picture_that_stands_still_is_said_everywhere_and_undone_when_it_is_over() {
     let film = format!("{NOISE},loop=loop=180:size=1:start=120");
     let line = Line::with_film(MAX, "", &["-i", "p1_none_r1.mp4", "-t", "14", "-vf", &film]);
     said_and_undone(line, Sight::Frozen, &blind("AND-212", "the picture has stopped", "Unplug the camera"));
-}
-
-#[test]
-fn a_lens_that_is_covered_is_said_everywhere_and_undone_when_it_is_over() {
-    let line = line_that_shows("drawbox=c=0x6a4030:t=fill:enable='between(t,4,9)'");
-    said_and_undone(
-        line,
-        Sight::Covered,
-        &blind("AND-215", "something lies over the lens", "Clear the camera's view"),
-    );
-}
-
-#[test]
-fn a_picture_far_out_of_focus_is_said_everywhere_and_undone_when_it_is_over() {
-    let line = line_that_shows("gblur=sigma=12:enable='between(t,4,9)'");
-    said_and_undone(line, Sight::Blurred, &blind("AND-216", "the picture is blurred", "Clean the lens"));
-}
-
-#[test]
-fn noise_in_which_nothing_is_found_is_said_everywhere_and_undone_when_it_is_over() {
-    let line = line_that_shows("noise=alls=100:allf=t:enable='between(t,4,9)'");
-    said_and_undone(
-        line,
-        Sight::Noisy,
-        &blind("AND-217", "the picture is so noisy", "Light the bench better"),
-    );
-}
-
-#[test]
-fn a_camera_that_was_moved_is_said_everywhere_and_undone_when_it_is_back() {
-    let line = line_that_shows("rotate=0.08:c=gray:enable='between(t,4,9)'");
-    said_and_undone(
-        line,
-        Sight::CameraMoved,
-        &blind("AND-222", "the camera has been moved", "Put the camera back"),
-    );
 }
 
 #[test]

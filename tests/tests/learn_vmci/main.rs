@@ -37,6 +37,11 @@ fn taught_by_others(runs: &[Run], left_out: usize, options: &TeachOptions) -> (J
     teach(&others, options).unwrap()
 }
 
+/// One run in three, from a drawn one on, with its place among all: to teach by the eight others takes seconds for each.
+fn drawn_runs() -> Vec<(usize, u32)> {
+    environment::one_in(3, RUNS.enumerate().collect())
+}
+
 /// For each run, its number and the job that is taught by all other runs.
 fn all_taught_by_others(runs: &[Run], options: &TeachOptions) -> Vec<(u32, JobFile)> {
     RUNS.enumerate().map(|(index, number)| (number, taught_by_others(runs, index, options).0)).collect()
@@ -86,7 +91,7 @@ fn without_points_and_distances_the_runs_show_where_hand_and_parts_meet() {
     let run = |capture: Capture| Run::new("run", "", &without_points(capture.recording()), &method).unwrap();
     let runs: Vec<Run> = RUNS.map(|number| run(Capture::read(number))).collect();
     assert!(runs.iter().all(|run| !run.activities.is_empty()), "a box is in the hand that leads it");
-    for (left_out, number) in RUNS.enumerate() {
+    for (left_out, number) in drawn_runs() {
         let (job, report) = taught_by_others(&runs, left_out, &TeachOptions::new("shelf", "", method));
         assert!(report.unsure.is_empty(), "{report}");
         let with = |id: u16| {
@@ -123,7 +128,7 @@ fn where_nothing_but_the_box_is_known_right_runs_are_right_and_faults_are_found(
         Run::new("run", "", &recording, &method).unwrap()
     };
     let runs: Vec<Run> = RUNS.map(|number| run(Capture::read(number))).collect();
-    for (left_out, number) in RUNS.enumerate() {
+    for (left_out, number) in drawn_runs() {
         let (job, report) =
             taught_by_others(&runs, left_out, &TeachOptions::new("there and back", "", method));
         let same = "step 1, IU 1 and IU 2 look the same (right hand with box), so that their order and where they end is not judged: put \
@@ -143,7 +148,7 @@ fn where_nothing_but_the_box_is_known_right_runs_are_right_and_faults_are_found(
     }
 }
 
-/// The nine runs are right and 27 faults in them are found. A tracker sees them with errors, and all other runs teach without points.
+/// Drawn runs are right, and three faults in each are found. A tracker sees them with errors, and all other runs teach without points.
 fn expect_right_with_errors(seen: impl Fn(u32, &Capture) -> Recording) {
     let method = Method { space: Space::Metric, ..Method::default() };
     let run = |number: u32, capture: Capture| {
@@ -151,7 +156,7 @@ fn expect_right_with_errors(seen: impl Fn(u32, &Capture) -> Recording) {
     };
     let runs: Vec<Run> = RUNS.map(|number| run(number, Capture::read(number))).collect();
     let [mut right, mut accused, mut found] = [const { Vec::new() }; 3];
-    for (left_out, number) in RUNS.enumerate() {
+    for (left_out, number) in drawn_runs() {
         let (job, _) = taught_by_others(&runs, left_out, &TeachOptions::new("shelf", "", method));
         let is = |capture: Capture, outcome: Outcome| {
             let verdicts = run(number, capture).judge(&job).unwrap();
