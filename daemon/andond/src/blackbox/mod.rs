@@ -94,13 +94,6 @@ pub enum BlackboxError {
     },
 }
 
-impl BlackboxError {
-    /// Whether the recording is as it should be, and has not all of a piece.
-    pub fn is_incomplete(&self) -> bool {
-        matches!(self, Self::NoBegin { .. } | Self::NoEnd { .. })
-    }
-}
-
 /// Whether this is the name of a recording of the role `record`.
 pub fn is_recording(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mcap"))

@@ -10,7 +10,7 @@ use andon_learn::job_file::JobFile;
 use andon_record::store;
 use shm_schemas::{MessageId, flag};
 
-use crate::blackbox::{Frames, piece_of, station_of};
+use crate::blackbox::{Frames, Piece, piece_of, station_of};
 use crate::cli::Was;
 use crate::recorder::{Recorder, header};
 use crate::tool::clip::recordings;
@@ -35,25 +35,30 @@ pub(super) fn of(config: &Config, out: &Path, before: Option<&JobFile>) -> Resul
     let recordings = recordings(config)?;
     let by_verdict = store::by_verdict(&recordings);
     let sources = before.map(|job| job.provenance.sources.as_slice()).unwrap_or_default();
+    let is_source = |name: &str| sources.iter().any(|source| source.name == name);
+    let all = confirm::confirmed(config)?;
+    let recording = |id: MessageId| by_verdict.get(&id).map(|recording| recording.path.as_path());
+    let piece = |id: MessageId| recording(id).and_then(|path| piece_of(path, id).ok());
+    let is_wrong = |was: Was| was == Was::Wrong;
+    let wrong: Vec<Piece> =
+        all.values().filter(|said| is_wrong(said.was)).filter_map(|said| piece(said.id)).collect();
     let mut found = Confirmed::default();
-    for confirmed in confirm::confirmed(config)?.into_values() {
-        let name = name_of(confirmed.id);
+    for said in all.values() {
+        let name = name_of(said.id);
         let run = folder_of(out).join(&name);
-        match (confirmed.was, by_verdict.get(&confirmed.id)) {
-            (Was::Wrong, _) if sources.iter().any(|source| source.name == name) => found.withdrawn.push(name),
-            (Was::Wrong, _) => (),
+        // Who calls one result of a piece wrong means the piece: it teaches nothing, whatever was said of its other results.
+        let is_of_wrong = || !wrong.is_empty() && piece(said.id).is_some_and(|piece| wrong.contains(&piece));
+        if is_wrong(said.was) || is_of_wrong() {
+            found.withdrawn.extend(Some(name).filter(|name| is_source(name)));
+        } else if run.exists() || recording(said.id).map_or(Ok(false), |path| write(path, said.id, &run))? {
             // What was taken out of a recording once is there for longer than the recording is.
-            (Was::Right, _) if run.exists() => found.runs.push(run),
-            (Was::Right, Some(recording)) if write(&recording.path, confirmed.id, &run)? => {
-                found.runs.push(run)
-            }
-            (Was::Right, _) => (),
+            found.runs.push(run);
         }
     }
     if found.runs.is_empty() && found.withdrawn.is_empty() {
         return Err(ToolError::NothingConfirmed);
     }
-    found.runs = once_each(found.runs, &|name| sources.iter().any(|source| source.name == name));
+    found.runs = once_each(found.runs, &is_source);
     Ok(found)
 }
 
@@ -71,14 +76,15 @@ fn name_of(MessageId { epoch, seq }: MessageId) -> String {
     format!("confirmed-{epoch}-{seq}.tracks.jsonl")
 }
 
-/// Writes the piece that a verdict is on. False where the recording has not all of it, which is said: half a run teaches what is wrong.
+/// Writes the piece that a verdict is on. False where the recording has not all of it or cannot be read, which is said: half a run teaches what is
+/// wrong, and the others teach without it.
 fn write(recording: &Path, verdict: MessageId, run: &Path) -> Result<bool, ToolError> {
     let piece = match piece_of(recording, verdict) {
-        Err(error) if error.is_incomplete() => {
+        Ok(piece) => piece,
+        Err(error) => {
             eprintln!("note: not taught: {error}");
             return Ok(false);
         }
-        piece => piece?,
     };
     let (station, _) = station_of(recording)?;
     let failed = cannot_write(run);
