@@ -37,7 +37,8 @@ pub fn run(arguments: &Forget) -> Result<Code, ToolError> {
     Ok(if written.is_empty() { Code::Stopped } else { Code::Declined })
 }
 
-/// First it is said, then it is done: nothing is removed unsaid. Returns those that a recorder writes, which stay.
+/// First it is said, then it is done: nothing is removed unsaid. Returns those that a recorder writes, which stay. One that cannot be removed keeps no
+/// other one.
 fn remove_all(config: &Config, found: &[Recording], meant: &Meant) -> Result<Vec<PathBuf>, ToolError> {
     if !found.is_empty() {
         let what = format!("{} recordings to be removed: {}", found.len(), meant.words());
@@ -47,11 +48,12 @@ fn remove_all(config: &Config, found: &[Recording], meant: &Meant) -> Result<Vec
         let path = path.to_path_buf();
         move |source| ToolError::Remove { path, source }
     };
-    let mut written = Vec::new();
+    let (mut written, mut error) = (Vec::new(), None);
     for Recording { path, .. } in found {
-        match store::remove(path).map_err(failed(path))? {
-            Removed::Gone => println!("removed: {}", path.display()),
-            Removed::InUse => written.push(path.clone()),
+        match store::remove(path).map_err(failed(path)) {
+            Ok(Removed::Gone) => println!("removed: {}", path.display()),
+            Ok(Removed::InUse) => written.push(path.clone()),
+            Err(kept) => error = error.or(Some(kept)),
         }
     }
     // A recorder does it when it begins. Where none runs, nobody else would.
@@ -63,7 +65,7 @@ fn remove_all(config: &Config, found: &[Recording], meant: &Meant) -> Result<Vec
         store::remove_file(&path).map_err(failed(&path))?;
         println!("removed, it belonged to no recording: {}", path.display());
     }
-    Ok(written)
+    error.map_or(Ok(written), Err)
 }
 
 /// Which recordings are meant.
