@@ -64,7 +64,7 @@ pub(super) fn recordings(config: &Config) -> Result<Vec<Recording>, ToolError> {
     })
 }
 
-/// The verdicts that a replay prints are those of the journal: here only the film is wanted.
+/// Judges the clip again, which prints its verdicts, and draws them into a film.
 fn draw(arguments: &Clip, recording: &Path, film: &Path) -> Result<(), ToolError> {
     let arguments = Replay {
         config: arguments.config.clone(),

@@ -139,7 +139,7 @@ table! {
     INFO 414 RECORDINGS_TRIMMED: "old recordings were removed by age, by size, or for the journal's room", "";
     WARN 415 RECORDING_REPAIRED: "a recording was not written to its end; what is whole in it was saved",
         "Nothing has to be done: its recorder was killed, or the power failed";
-    INFO 416 RECORDING_OFF: "the configuration records nothing", "";
+    INFO 416 RECORDING_OFF: "the configuration records nothing; earlier recordings stay until they are too old", "";
     WARN 417 RECORDING_UNREPAIRED: "a recording was not written to its end and cannot be completed; it stays as it is",
         "Let the unit's user write in the folder of the recordings. If the file itself is damaged, remove it: nothing in it can be saved";
     WARN 418 STILL_MISSING: "an anomaly has no picture beside its recording: it was not in memory any more, or could not be drawn",
