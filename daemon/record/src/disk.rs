@@ -17,7 +17,7 @@ use shm_schemas::{MessageId, Verdict, from_bytes};
 
 use crate::index::{Index, still_of};
 use crate::repair::{Repaired, is_cut, repair};
-use crate::store::{self, Budget};
+use crate::store::{self, Budget, Enforced};
 use crate::topic::Topic;
 use crate::writer::{Attachment, Entry, RecordingWriter};
 
@@ -71,6 +71,8 @@ pub enum Told {
     Unwritten(String),
     /// One that was cut could not be repaired: why.
     Unrepaired(String),
+    /// One that is too old or too much could not be removed: why.
+    Unremoved(String),
 }
 
 /// The near end of the thread.
@@ -103,9 +105,8 @@ impl Disk {
         let state = Arc::new(State::default());
         let far = Arc::clone(&state);
         let trimmed = Instant::now();
-        let unrepaired = HashSet::new();
-        let work =
-            move || Work { folder, budget, tell, state: far, open: None, trimmed, unrepaired }.run(&taken);
+        let said = HashSet::new();
+        let work = move || Work { folder, budget, tell, state: far, open: None, trimmed, said }.run(&taken);
         let thread = std::thread::Builder::new().name("recordings".into()).spawn(work)?;
         Ok(Self { orders: Some(orders), told, state, thread: Some(thread), limit })
     }
@@ -203,8 +204,8 @@ struct Work {
     state: Arc<State>,
     open: Option<Open>,
     trimmed: Instant,
-    /// What was said of recordings that cannot be repaired: it is tried again each time that the disk was away, and says nothing new.
-    unrepaired: HashSet<String>,
+    /// What was said of recordings that cannot be repaired or removed: it is tried again and again, and says nothing new.
+    said: HashSet<String>,
 }
 
 impl Work {
@@ -325,9 +326,15 @@ impl Work {
 
     fn trim(&mut self) {
         self.trimmed = Instant::now();
-        // What cannot be removed now is tried again at the next recording.
-        if let Ok(removed @ 1..) = store::enforce(&self.folder, &self.budget) {
-            self.tell(Told::Trimmed(removed));
+        let done = store::enforce(&self.folder, &self.budget).unwrap_or_else(|error| {
+            let unremoved = vec![format!("{}: {error}", self.folder.display())];
+            Enforced { removed: 0, unremoved }
+        });
+        if done.removed > 0 {
+            self.tell(Told::Trimmed(done.removed));
+        }
+        for why in done.unremoved {
+            self.tell_once(why, Told::Unremoved);
         }
     }
 
@@ -340,23 +347,23 @@ impl Work {
             if !store::has_room_for(&self.folder, &self.budget, bytes) {
                 if is_cut(&path) {
                     let path = path.display();
-                    self.tell_unrepaired(format!(
-                        "{path}: there is no room for a whole one beside it; make room on its disk"
-                    ));
+                    let why =
+                        format!("{path}: there is no room for a whole one beside it; make room on its disk");
+                    self.tell_once(why, Told::Unrepaired);
                 }
                 continue;
             }
             match repair(&path) {
                 Ok(Repaired::Completed) => self.tell(Told::Repaired(path)),
                 Ok(Repaired::Whole | Repaired::InUse | Repaired::Removed) => (),
-                Err(error) => self.tell_unrepaired(error.to_string()),
+                Err(error) => self.tell_once(error.to_string(), Told::Unrepaired),
             }
         }
     }
 
-    fn tell_unrepaired(&mut self, why: String) {
-        if self.unrepaired.insert(why.clone()) {
-            self.tell(Told::Unrepaired(why));
+    fn tell_once(&mut self, why: String, told: fn(String) -> Told) {
+        if self.said.insert(why.clone()) {
+            self.tell(told(why));
         }
     }
 }

@@ -76,5 +76,6 @@ pub(crate) fn say(told: Told) {
         Told::Trimmed(count) => log!(code::RECORDINGS_TRIMMED, "{count} recordings were removed"),
         Told::Unwritten(why) => log!(code::RECORDINGS_UNWRITTEN, "{why}"),
         Told::Unrepaired(why) => log!(code::RECORDING_UNREPAIRED, remedied: "{why}"),
+        Told::Unremoved(why) => log!(code::RECORDING_UNREMOVED, "{why}"),
     }
 }

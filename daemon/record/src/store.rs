@@ -217,12 +217,21 @@ fn beside(recording: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(paths)
 }
 
-/// Removes the oldest recordings until what is left is within the budget, and returns how many. What a recorder writes stays, whichever it is, and so
-/// does what cannot be removed, as somebody else's: then the next ones go.
+/// What was done to stay within a budget.
+#[derive(Debug, Default)]
+pub struct Enforced {
+    /// How many recordings were removed.
+    pub removed: u64,
+    /// Those that should have gone and could not be removed, each with the reason.
+    pub unremoved: Vec<String>,
+}
+
+/// Removes the oldest recordings until what is left is within the budget. What a recorder writes stays, whichever it is, and so does what cannot be
+/// removed, as somebody else's: then the next ones go.
 ///
 /// # Errors
 /// That the folder cannot be read.
-pub fn enforce(folder: &Path, budget: &Budget) -> io::Result<u64> {
+pub fn enforce(folder: &Path, budget: &Budget) -> io::Result<Enforced> {
     for path in orphans(folder)? {
         // One that stays is tried again the next time.
         let _ = remove_file(&path);
@@ -234,15 +243,18 @@ pub fn enforce(folder: &Path, budget: &Budget) -> io::Result<u64> {
         kept.push((path, bytes, oldest.is_some_and(|oldest| changed < oldest)));
     }
     let mut total: u64 = kept.iter().map(|(_, bytes, _)| bytes).sum();
-    let mut removed = 0;
+    let mut done = Enforced::default();
     for (path, bytes, is_too_old) in kept {
-        let is_too_much = total > budget.bytes || lacks_room(folder, budget);
-        if (is_too_old || is_too_much) && remove(&path).is_ok_and(|removed| removed == Removed::Gone) {
-            total -= bytes;
-            removed += 1;
+        if !(is_too_old || total > budget.bytes || lacks_room(folder, budget)) {
+            continue;
+        }
+        match remove(&path) {
+            Ok(Removed::Gone) => (total, done.removed) = (total - bytes, done.removed + 1),
+            Ok(Removed::InUse) => (),
+            Err(error) => done.unremoved.push(format!("{}: {error}", path.display())),
         }
     }
-    Ok(removed)
+    Ok(done)
 }
 
 /// The bytes of a recording and when it was written last; `None` where somebody has removed it meanwhile.
@@ -346,11 +358,11 @@ mod tests {
         let written = fs::File::open(folder.path().join(&of_day([(3, "mcap")])[0])).unwrap();
         assert!(lock(&written));
         let budget = Budget { bytes: 2500, ..GENEROUS };
-        assert_eq!(enforce(folder.path(), &budget).unwrap(), 1);
+        assert_eq!(enforce(folder.path(), &budget).unwrap().removed, 1);
         let [second, third] = of_day([(2, "mcap"), (3, "mcap")]);
         assert_eq!(names(folder.path()), [second.as_str(), &third, "journal.sqlite"]);
         let budget = Budget { bytes: 0, ..GENEROUS };
-        assert_eq!(enforce(folder.path(), &budget).unwrap(), 1);
+        assert_eq!(enforce(folder.path(), &budget).unwrap().removed, 1);
         assert_eq!(names(folder.path()), [third.as_str(), "journal.sqlite"]);
         assert_eq!(remove(&folder.path().join(&third)).unwrap(), Removed::InUse);
         drop(written);
@@ -368,7 +380,7 @@ mod tests {
             path
         });
         assert_eq!(files(folder.path()).unwrap(), made);
-        assert_eq!(enforce(folder.path(), &Budget { bytes: 1500, ..GENEROUS }).unwrap(), 2);
+        assert_eq!(enforce(folder.path(), &Budget { bytes: 1500, ..GENEROUS }).unwrap().removed, 2);
         assert_eq!(files(folder.path()).unwrap(), made[2..]);
     }
 
@@ -376,7 +388,7 @@ mod tests {
     fn what_lies_beside_no_recording_goes_and_what_is_somebody_elses_stays() {
         let theirs = ["notes.json", "run.mcap", "run.mp4", "run.tracks.jsonl"];
         let folder = folder_of([(1, "json"), (1, "7-1.jpg"), (2, "mcap"), (2, "json")], &theirs);
-        assert_eq!(enforce(folder.path(), &Budget { bytes: 0, ..GENEROUS }).unwrap(), 1);
+        assert_eq!(enforce(folder.path(), &Budget { bytes: 0, ..GENEROUS }).unwrap().removed, 1);
         assert_eq!(names(folder.path()), theirs);
     }
 
@@ -386,7 +398,11 @@ mod tests {
         // As little as the file of another user is a folder of this name one that can be removed.
         let [first] = of_day([(1, "mcap")]);
         fs::create_dir(folder.path().join(&first)).unwrap();
-        assert_eq!(enforce(folder.path(), &Budget { bytes: 0, ..GENEROUS }).unwrap(), 2);
+        let done = enforce(folder.path(), &Budget { bytes: 0, ..GENEROUS }).unwrap();
+        assert!(
+            done.removed == 2 && done.unremoved.len() == 1 && done.unremoved[0].contains(&first),
+            "{done:?}"
+        );
         assert_eq!(names(folder.path()), [first]);
     }
 
@@ -415,7 +431,7 @@ mod tests {
         let folder = folder_of([(1, "mcap"), (2, "mcap")], &[]);
         let budget = Budget { age: Duration::ZERO, ..GENEROUS };
         std::thread::sleep(Duration::from_millis(20));
-        assert_eq!(enforce(folder.path(), &budget).unwrap(), 2);
+        assert_eq!(enforce(folder.path(), &budget).unwrap().removed, 2);
         assert!(names(folder.path()).is_empty());
     }
 
@@ -426,7 +442,7 @@ mod tests {
         // A journal that may grow beyond every disk.
         let budget = Budget { journal: Some((journal, u64::MAX / 2)), ..GENEROUS };
         assert!(lacks_room(folder.path(), &budget));
-        assert_eq!(enforce(folder.path(), &budget).unwrap(), 1);
+        assert_eq!(enforce(folder.path(), &budget).unwrap().removed, 1);
         assert_eq!(names(folder.path()), ["journal.sqlite"]);
     }
 

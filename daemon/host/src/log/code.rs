@@ -144,6 +144,8 @@ table! {
         "Let the unit's user write in the folder of the recordings. If the file itself is damaged, remove it: nothing in it can be saved";
     WARN 418 STILL_MISSING: "an anomaly has no picture beside its recording: it was not in memory any more, or could not be drawn",
         "Raise record.memory_mb; what was detected is in the recording all the same";
+    WARN 419 RECORDING_UNREMOVED: "a recording is older than it may be, or one too many, and cannot be removed; its pictures stay",
+        "Let the unit's user write in the folder of the recordings, or remove the file by hand";
 
     INFO 501 PLC_LISTENING: "the Modbus server listens", "";
     INFO 502 PLC_CONNECTED: "a PLC has connected", "";
