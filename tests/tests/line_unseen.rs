@@ -98,7 +98,8 @@ fn check_down(
     assert_nothing_rests_on(&spans, unseen_s);
     // A busy machine may not have seen what was begun before: then the job that lacks it is not judged.
     let is_told = spans.iter().any(|(.., outcome)| outcome == "not_judged");
-    assert!(spans.is_empty() || is_told, "{unseen_s:?}: {spans:?}");
+    let is_lost = unseen_s[1] > unseen_s[0];
+    assert!(spans.is_empty() || !is_lost || is_told, "{unseen_s:?}: {spans:?}");
 }
 
 /// The times in the film of the new frames in which was looked for something, in seconds. Infinite at its end, which a slow machine may reach without
@@ -117,7 +118,8 @@ fn newest_detected(detections: &mut Reader<Detections>) -> Option<f64> {
     detected(detections).last().copied()
 }
 
-/// The newest of [`detected`] that is lost to who keeps as many of those after it; waits until it comes after this time.
+/// The newest of [`detected`] that is lost to who keeps as many of those after it; waits until it comes after this time, or the film ends. On a machine
+/// that is so busy that it looks at no more pictures than these, none is lost.
 fn until_detected(
     watcher: &mut Watcher,
     detections: &mut Reader<Detections>,
@@ -130,8 +132,10 @@ fn until_detected(
         all_s.extend(detected(detections));
         let lost_s = all_s.iter().rev().nth(kept);
         let is_end = all_s.last().is_some_and(|newest_s| newest_s.is_infinite());
-        if let Some(lost_s) = lost_s.filter(|lost_s| is_end || **lost_s >= after_s) {
-            return *lost_s;
+        match lost_s {
+            Some(lost_s) if is_end || *lost_s >= after_s => return *lost_s,
+            None if is_end => return f64::NEG_INFINITY,
+            _ => (),
         }
         assert!(Instant::now() < until, "no frame after {after_s} s");
         watcher.listen(Duration::from_millis(5));
