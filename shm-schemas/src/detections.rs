@@ -28,7 +28,7 @@ wire! { "andon.ObjectDetection", 68;
     struct ObjectDetection {
         /// Identity, 1..=65535.
         id: u16,
-        /// Bits of [`crate::flag`]: `SEEN`, `HELD`, `TWICE`.
+        /// Bits of [`crate::flag`]: `SEEN`, `TWICE`.
         flags: u16,
         /// Confidence of the pose, 0..1.
         quality: f32,

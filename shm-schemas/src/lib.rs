@@ -76,8 +76,6 @@ pub mod flag {
     pub const UNSEEN: u32 = 1 << 6;
     /// The object was seen in this frame.
     pub const SEEN: u16 = 1;
-    /// The object was hidden, and its pose is held by the hand that carries it.
-    pub const HELD: u16 = 1 << 1;
     /// The object's marker is in view twice, so that it was not seen in this frame.
-    pub const TWICE: u16 = 1 << 2;
+    pub const TWICE: u16 = 1 << 1;
 }

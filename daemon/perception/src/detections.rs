@@ -62,23 +62,6 @@ pub struct ObjectDetection {
     pub quality: f32,
 }
 
-/// An object with a pose, whether its marker was detected or not.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlacedObject {
-    /// The object's id.
-    pub id: u16,
-    /// Centre of the marker in metres in the bench frame.
-    pub position_m: [f32; 3],
-    /// Unit quaternion (w, x, y, z), marker frame to bench frame.
-    pub orientation: [f32; 4],
-}
-
-impl From<&ObjectDetection> for PlacedObject {
-    fn from(object: &ObjectDetection) -> Self {
-        Self { id: object.id, position_m: object.position_m, orientation: object.orientation }
-    }
-}
-
 /// How long the parts of perception took, in nanoseconds; 0 for a part that did not run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Timings {
@@ -101,8 +84,6 @@ pub struct Detections {
     pub objects: Vec<ObjectDetection, OBJECTS>,
     /// Configured ids that are in view twice. None of them is in `objects`.
     pub twice: Vec<u16, OBJECTS>,
-    /// Carried objects whose markers are hidden, placed by the motion of the hand. None of them is in `objects`.
-    pub carried: Vec<PlacedObject, OBJECTS>,
     /// Hands in the picture, wanted or not.
     pub hands_in_view: usize,
     /// Markers in the picture that belong to no configured object. They have another id or, while none of the configured ones has been seen, another

@@ -3,7 +3,7 @@
 //! The data path of plane mode, which the [`Perceiver`] puts together:
 //!
 //! [`ImageView`] a frame, read in place → an [`ObjectFinder`], as that of `markers`, corners in pixels, `hands` landmarks in pixels → [`bench`] metres in the
-//! bench frame → [`carried`] objects that a hand carries and hides → [`Detections`].
+//! bench frame → [`Detections`].
 //!
 //! With depth, [`metric`] places the detections of a frame in three dimensions.
 //!
@@ -15,7 +15,6 @@
 #![forbid(unsafe_code)]
 
 pub mod bench;
-pub mod carried;
 pub mod config;
 mod conversion;
 pub mod detections;

@@ -1,11 +1,8 @@
 //! Puts markers, hands and the bench together.
 
 use crate::bench::{Bench, Calibration};
-use crate::carried::{CarriedObjects, PlacedHand};
 use crate::config::{HandsConfig, MarkersConfig, PerceptionConfig, ThreadsConfig};
-use crate::detections::{
-    Detections, HANDS, HandDetection, OBJECTS, ObjectDetection, PlacedObject, Side, Timings,
-};
+use crate::detections::{Detections, HANDS, HandDetection, OBJECTS, ObjectDetection, Side, Timings};
 use crate::error::PerceptionError;
 use crate::finder::{FoundObjects, ObjectFinder, SeenObject};
 use crate::hands::{Found, OnnxLandmarks, OnnxPalms, Tracker};
@@ -32,7 +29,6 @@ pub struct Perceiver {
     hands: Option<Tracker<OnnxPalms, OnnxLandmarks>>,
     workers: Workers,
     bench: Bench,
-    carried: CarriedObjects,
 }
 
 impl Perceiver {
@@ -53,7 +49,6 @@ impl Perceiver {
             hands: if hands.sides.is_empty() { None } else { Some(tracker(runtime, hands)?) },
             workers: Workers::new(threads)?,
             bench: Bench::new(calibration, &markers.objects),
-            carried: CarriedObjects::default(),
         })
     }
 
@@ -85,7 +80,6 @@ impl Perceiver {
         let _span = trace_span!("place").entered();
         objects?.enter(&mut detections);
         self.enter_hands(&seen?, &mut detections);
-        self.follow_carried(&mut detections);
         Ok(detections)
     }
 
@@ -106,12 +100,6 @@ impl Perceiver {
         detections.hands_in_view = seen.in_view;
         detections.timings.palm_ns = seen.timings.palm_ns;
         detections.timings.landmarks_ns = seen.timings.landmarks_ns;
-    }
-
-    fn follow_carried(&mut self, detections: &mut Detections) {
-        let hands: heapless::Vec<_, HANDS> = detections.hands.iter().map(PlacedHand::from).collect();
-        let objects: heapless::Vec<_, OBJECTS> = detections.objects.iter().map(PlacedObject::from).collect();
-        detections.carried = self.carried.step(detections.captured_ns, &hands, &objects);
     }
 }
 

@@ -1,6 +1,7 @@
 //! Draws what was seen and judged on a film: landmarks, markers and names, contacts, the running IU, the verdict.
 //!
-//! What was seen has full lines. What was not seen has dashes and the word "assumed", where it is assumed to lie where it was or to move with a hand.
+//! What was seen has full lines. What was not seen has dashes and the word "assumed", where it is assumed to lie where it was or to move with the hand
+//! that holds it by the newest couples.
 //! What has been out of sight for longer than `method.blind_ms` is not drawn, and the panel says so.
 
 use std::path::Path;
@@ -110,7 +111,7 @@ impl Annotator {
         for hand in view.seen.hands() {
             self.draw_hand(hand)?;
         }
-        self.draw_assumed(view.seen)?;
+        self.draw_assumed(view.seen, couples)?;
         self.draw_contacts(view.seen, couples)?;
         verdicts.iter().for_each(|verdict| self.steps.judge(verdict));
         self.steps.run(couples);
@@ -118,7 +119,7 @@ impl Annotator {
             self.alarm_until_ns = now_ns + ALARM_NS;
         }
         panel::draw_steps(&mut self.canvas, &self.steps, &self.names)?;
-        let lost = self.last_seen.lost(view.seen, &self.names);
+        let lost = self.last_seen.lost(view.seen, couples, &self.names);
         panel::draw_strip(&mut self.canvas, couples, &lost, &self.names)?;
         if now_ns < self.alarm_until_ns {
             self.canvas.frame(RED, 10)?;
@@ -165,8 +166,8 @@ impl Annotator {
         Ok(())
     }
 
-    fn draw_assumed(&mut self, seen: &Detections) -> opencv::Result<()> {
-        for (id, corners) in self.last_seen.objects(seen) {
+    fn draw_assumed(&mut self, seen: &Detections, couples: &[Couple]) -> opencv::Result<()> {
+        for (id, corners) in self.last_seen.objects(seen, couples) {
             for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
                 self.canvas.dashes(*from, *to, AMBER)?;
             }

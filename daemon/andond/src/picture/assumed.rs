@@ -1,16 +1,23 @@
 //! Where a part or hand is drawn that is not seen. That is where it was last seen or, if a hand that is seen holds it, moved with that hand.
 
 use crate::report::Names;
+use andon_core::couple::Couple;
 use shm_schemas::{Detections, HandCode, HandDetection, LANDMARKS, ObjectDetection, flag};
 
 type Corners = [[f32; 2]; 4];
 type Landmarks = [[f32; 2]; LANDMARKS];
 
+/// A part as it was last seen, with the hands of that picture.
+struct SeenPart {
+    object: ObjectDetection,
+    hands: Vec<HandDetection>,
+    at_ns: u64,
+}
+
 /// Remembers where everything was last seen.
 pub(super) struct LastSeen {
     blind_ns: u64,
-    /// Object, corners in pixels, position in metres, time.
-    objects: Vec<(ObjectDetection, u64)>,
+    objects: Vec<SeenPart>,
     hands: Vec<(HandDetection, u64)>,
 }
 
@@ -21,27 +28,29 @@ impl LastSeen {
 
     /// Takes what was seen in the next picture.
     pub(super) fn take(&mut self, seen: &Detections) {
-        let now_ns = seen.source_ns;
+        let at_ns = seen.source_ns;
         for object in seen.objects().iter().filter(|object| object.flags & flag::SEEN != 0) {
-            self.objects.retain(|(known, _)| known.id != object.id);
-            self.objects.push((*object, now_ns));
+            self.objects.retain(|known| known.object.id != object.id);
+            self.objects.push(SeenPart { object: *object, hands: seen.hands().to_vec(), at_ns });
         }
         for hand in seen.hands() {
             self.hands.retain(|(known, _)| known.hand != hand.hand);
-            self.hands.push((*hand, now_ns));
+            self.hands.push((*hand, at_ns));
         }
     }
 
-    /// The objects that are not seen in this picture, and where they are assumed to be.
-    pub(super) fn objects(&self, seen: &Detections) -> Vec<(u16, Corners)> {
-        let place = |(known, seen_ns): &(ObjectDetection, u64)| {
-            let now = seen.objects().iter().find(|object| object.id == known.id);
-            match now {
-                Some(object) if object.flags & flag::SEEN != 0 => None,
-                Some(held) if held.flags & flag::HELD != 0 => moved(known, held, seen.hands()),
-                _ => self.is_recent(*seen_ns, seen).then_some(known.corners_px),
+    /// The objects that are not seen in this picture, and where they are assumed to be: in the hand that holds them by the newest couples, as the judge
+    /// believes, or where they were last seen.
+    pub(super) fn objects(&self, seen: &Detections, couples: &[Couple]) -> Vec<(u16, Corners)> {
+        let place = |known: &SeenPart| {
+            let id = known.object.id;
+            if seen.objects().iter().any(|object| object.id == id && object.flags & flag::SEEN != 0) {
+                return None;
             }
-            .map(|corners| (known.id, corners))
+            let in_hand = known.in_hand(seen, couples);
+            let corners =
+                in_hand.or_else(|| self.is_recent(known.at_ns, seen).then_some(known.object.corners_px));
+            corners.map(|corners| (id, corners))
         };
         self.objects.iter().filter_map(place).collect()
     }
@@ -55,11 +64,11 @@ impl LastSeen {
     }
 
     /// The names of the parts and hands that have been out of sight for so long that they are assumed to be nowhere.
-    pub(super) fn lost(&self, seen: &Detections, names: &Names) -> Vec<String> {
-        let assumed = self.objects(seen);
+    pub(super) fn lost(&self, seen: &Detections, couples: &[Couple], names: &Names) -> Vec<String> {
+        let assumed = self.objects(seen, couples);
         let is_seen =
             |id: u16| seen.objects().iter().any(|object| object.id == id && object.flags & flag::SEEN != 0);
-        let ids = self.objects.iter().map(|(known, _)| known.id);
+        let ids = self.objects.iter().map(|known| known.object.id);
         let parts = ids.filter(|id| !is_seen(*id) && assumed.iter().all(|(other, _)| other != id));
         let parts = parts.map(|id| names.object(id));
         let is_gone = |(known, seen_ns): &&(HandDetection, u64)| {
@@ -76,66 +85,49 @@ impl LastSeen {
     }
 }
 
-/// The corners of a marker that is hidden in a hand. The landmarks of the hand say how metres become pixels there.
-fn moved(known: &ObjectDetection, held: &ObjectDetection, hands: &[HandDetection]) -> Option<Corners> {
-    let distance_m = |hand: &HandDetection| {
-        let tip_m = hand.landmarks_m[12];
-        (tip_m[0] - held.position_m[0]).hypot(tip_m[1] - held.position_m[1])
-    };
-    let nearest = hands.iter().min_by(|one, other| distance_m(one).total_cmp(&distance_m(other)))?;
-    let [tip_m, wrist_m] = [12, 0].map(|landmark: usize| nearest.landmarks_m[landmark]);
-    let [tip_px, wrist_px] = [12, 0].map(|landmark: usize| nearest.landmarks_px[landmark]);
-    let metres = (tip_m[0] - wrist_m[0]).hypot(tip_m[1] - wrist_m[1]);
-    let pixels = (tip_px[0] - wrist_px[0]).hypot(tip_px[1] - wrist_px[1]);
-    let px_per_m = pixels / metres;
-    // Also false for NaN, which stands for what has no position.
-    if !(px_per_m > 0.0 && px_per_m.is_finite()) {
-        return None;
+impl SeenPart {
+    /// The corners of its marker as the hand that holds it has moved them since; `None` where no hand does that was seen then and is seen now.
+    fn in_hand(&self, seen: &Detections, couples: &[Couple]) -> Option<Corners> {
+        let holds = |couple: &&Couple| couple.context.0[0] != 0 && couple.context.0[1] == self.object.id;
+        let [hand, ..] = couples.iter().find(holds)?.context.0;
+        let of = |hands: &[HandDetection]| hands.iter().find(|seen| u16::from(seen.hand) == hand).copied();
+        let [then, now] = [of(&self.hands)?, of(seen.hands())?]
+            .map(|hand| [0, 12].map(|landmark| hand.landmarks_px[landmark]));
+        Some(self.object.corners_px.map(|corner| moved(corner, then, now)))
     }
-    // The direction from wrist to tip on the bench, whose y axis points up, and in the picture, whose y axis points down.
-    let on_bench = (tip_m[1] - wrist_m[1]).atan2(tip_m[0] - wrist_m[0]);
-    let in_picture = (-(tip_px[1] - wrist_px[1])).atan2(tip_px[0] - wrist_px[0]);
-    let turned = |vector: [f32; 2], angle: f32| {
-        let (sin, cos) = angle.sin_cos();
-        [cos * vector[0] - sin * vector[1], sin * vector[0] + cos * vector[1]]
-    };
-    let from_tip_m = [held.position_m[0] - tip_m[0], held.position_m[1] - tip_m[1]];
-    let from_tip = turned(from_tip_m, in_picture - on_bench).map(|metres| metres * px_per_m);
-    let centre = [tip_px[0] + from_tip[0], tip_px[1] - from_tip[1]];
-    let turn = yaw(held) - yaw(known);
-    let sum = known.corners_px.iter().fold([0.0; 2], |sum, corner| [sum[0] + corner[0], sum[1] + corner[1]]);
-    let before = sum.map(|coordinate| coordinate / 4.0);
-    Some(known.corners_px.map(|corner| {
-        let arm = turned([corner[0] - before[0], -(corner[1] - before[1])], turn);
-        [centre[0] + arm[0], centre[1] - arm[1]]
-    }))
 }
 
-fn yaw(object: &ObjectDetection) -> f32 {
-    let [w, x, y, z] = object.orientation;
-    (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z))
+/// A point that moves with the tip of a finger and turns with the hand; from wrist and tip `then` and `now`, in pixels.
+fn moved(point: [f32; 2], then: [[f32; 2]; 2], now: [[f32; 2]; 2]) -> [f32; 2] {
+    let angle = |[wrist, tip]: [[f32; 2]; 2]| (tip[1] - wrist[1]).atan2(tip[0] - wrist[0]);
+    let (sin, cos) = (angle(now) - angle(then)).sin_cos();
+    let arm = [point[0] - then[1][0], point[1] - then[1][1]];
+    [now[1][0] + cos * arm[0] - sin * arm[1], now[1][1] + sin * arm[0] + cos * arm[1]]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use andon_core::couple::Context;
+    use andon_core::input::Side;
 
     const S: u64 = 1_000_000_000;
 
-    /// A picture of 1,000 pixels per metre with a hand from (0.1, 0.1) upwards and an object of 40 pixels at this place.
-    fn picture(at_ns: u64, flags: u16, position_m: [f32; 2], turn: f32) -> Detections {
-        let mut seen = Detections { source_ns: at_ns, hands_len: 1, objects_len: 1, ..Detections::default() };
+    /// A hand of 100 pixels from its wrist to its tip, which points up or, `turned`, to the right; and an object of 40 pixels around this place.
+    fn picture(at_ns: u64, is_seen: bool, tip: [f32; 2], turned: bool, [x, y]: [f32; 2]) -> Detections {
+        let mut seen = Detections {
+            source_ns: at_ns,
+            hands_len: 1,
+            objects_len: is_seen.into(),
+            ..Detections::default()
+        };
         seen.hands[0].hand = 1;
-        for (landmark, y) in [(0, 0.1), (12, 0.3)] {
-            seen.hands[0].landmarks_m[landmark] = [0.1, y, 0.0];
-            seen.hands[0].landmarks_px[landmark] = [100.0, 500.0 - 1000.0 * y];
-        }
-        let [x, y] = [1000.0 * position_m[0], 500.0 - 1000.0 * position_m[1]];
+        seen.hands[0].landmarks_px[12] = tip;
+        seen.hands[0].landmarks_px[0] =
+            if turned { [tip[0] - 100.0, tip[1]] } else { [tip[0], tip[1] + 100.0] };
         seen.objects[0] = ObjectDetection {
             id: 5,
-            flags,
-            position_m: [position_m[0], position_m[1], 0.0],
-            orientation: [(turn / 2.0).cos(), 0.0, 0.0, (turn / 2.0).sin()],
+            flags: flag::SEEN,
             corners_px: [
                 [x - 20.0, y - 20.0],
                 [x + 20.0, y - 20.0],
@@ -148,14 +140,19 @@ mod tests {
     }
 
     #[test]
-    fn a_part_that_a_hand_hides_is_assumed_where_the_hand_has_it() {
+    fn a_part_that_a_hand_hides_is_assumed_where_the_hand_that_holds_it_has_it() {
         let mut last_seen = LastSeen::new(700);
-        last_seen.take(&picture(0, flag::SEEN, [0.1, 0.3], 0.0));
-        assert!(last_seen.objects(&picture(0, flag::SEEN, [0.1, 0.3], 0.0)).is_empty());
-        // It is a quarter turned to the left and 5 cm to the right.
-        let assumed = last_seen.objects(&picture(S, flag::HELD, [0.15, 0.3], std::f32::consts::FRAC_PI_2));
+        let shown = picture(0, true, [200.0, 100.0], false, [200.0, 60.0]);
+        last_seen.take(&shown);
+        let held = Couple { context: Context([1, 5, 0, 0]), ..Couple::idle(Side::Right, 0) };
+        assert!(last_seen.objects(&shown, &[held]).is_empty());
+        // A second later the hand is elsewhere and points to the right, where the part is then.
+        let hidden = picture(S, false, [300.0, 150.0], true, [0.0; 2]);
+        let assumed = last_seen.objects(&hidden, &[held]);
         let corners = assumed.first().map(|(_, corners)| corners.map(|corner| corner.map(f32::round)));
-        assert_eq!(corners, Some([[130.0, 220.0], [130.0, 180.0], [170.0, 180.0], [170.0, 220.0]]));
+        assert_eq!(corners, Some([[360.0, 130.0], [360.0, 170.0], [320.0, 170.0], [320.0, 130.0]]));
+        let loose = Couple { context: Context([0, 0, 5, 6]), ..held };
+        assert!(last_seen.objects(&hidden, &[loose]).is_empty());
     }
 
     #[test]
@@ -163,14 +160,15 @@ mod tests {
         let names = Names::new([(5, "polisher".to_owned())]);
         let nothing_at = |at_ns| Detections { source_ns: at_ns, ..Detections::default() };
         let mut last_seen = LastSeen::new(700);
-        assert_eq!(last_seen.lost(&nothing_at(0), &names), ["hand"]);
-        last_seen.take(&picture(0, flag::SEEN, [0.1, 0.3], 0.0));
-        assert_eq!(last_seen.objects(&nothing_at(S / 2)).len(), 1);
+        let shown = picture(0, true, [200.0, 100.0], false, [200.0, 60.0]);
+        assert_eq!(last_seen.lost(&nothing_at(0), &[], &names), ["hand"]);
+        last_seen.take(&shown);
+        assert_eq!(last_seen.objects(&nothing_at(S / 2), &[]).len(), 1);
         assert_eq!(last_seen.hands(&nothing_at(S / 2)).len(), 1);
-        assert!(last_seen.lost(&nothing_at(S / 2), &names).is_empty());
-        assert!(last_seen.objects(&nothing_at(S)).is_empty());
+        assert!(last_seen.lost(&nothing_at(S / 2), &[], &names).is_empty());
+        assert!(last_seen.objects(&nothing_at(S), &[]).is_empty());
         assert!(last_seen.hands(&nothing_at(S)).is_empty());
-        assert_eq!(last_seen.lost(&nothing_at(S), &names), ["right hand", "polisher"]);
-        assert!(last_seen.lost(&picture(S, flag::SEEN, [0.1, 0.3], 0.0), &names).is_empty());
+        assert_eq!(last_seen.lost(&nothing_at(S), &[], &names), ["right hand", "polisher"]);
+        assert!(last_seen.lost(&Detections { source_ns: S, ..shown }, &[], &names).is_empty());
     }
 }

@@ -1,7 +1,7 @@
 //! Detections, from perception or a track file to shared memory, and from there to the method.
 
 use andon_core::input::{Frame, Hand, Object, Side};
-use andon_perception::detections::{self as seen, Detections as Seen, PlacedObject};
+use andon_perception::detections::{self as seen, Detections as Seen};
 use andon_perception::metric::MetricScene;
 use shm_schemas::{Detections, HANDS, HandCode, OBJECTS, ObjectDetection, flag};
 
@@ -12,7 +12,7 @@ const AMBIGUOUS: f32 = 0.5;
 pub fn write(seen: &Seen, message: &mut Detections) {
     write_hands(seen, |hand| seen.hands[hand].landmarks_m.map(|[x, y]| [x, y, 0.0]), message);
     let pose = |object: &seen::ObjectDetection| Some((object.position_m, object.orientation, object.quality));
-    write_objects(seen, pose, &seen.carried, message);
+    write_objects(seen, pose, message);
 }
 
 /// Writes what was seen, placed in three dimensions, into the loaned message. What the scene does not have has no position.
@@ -24,7 +24,7 @@ pub fn write_metric(seen: &Seen, scene: &MetricScene, message: &mut Detections) 
         let certainty = if placed.unambiguous { 1.0 } else { AMBIGUOUS };
         Some((placed.position_m, placed.orientation, certainty * object.quality))
     };
-    write_objects(seen, pose, &scene.carried, message);
+    write_objects(seen, pose, message);
 }
 
 fn write_hands(
@@ -44,34 +44,22 @@ fn write_hands(
     message.hands_len = seen.hands.len().min(HANDS) as u32;
 }
 
-/// Writes the objects that were seen and have a pose, with its confidence. Then those that a hand holds and hides, and those whose marker is in view
-/// twice.
+/// Writes the objects that were seen and have a pose, with its confidence. Then those whose marker is in view twice.
 fn write_objects(
     seen: &Seen,
     pose: impl Fn(&seen::ObjectDetection) -> Option<([f32; 3], [f32; 4], f32)>,
-    carried: &[PlacedObject],
     message: &mut Detections,
 ) {
-    let ambiguous = &seen.twice;
-    let is_carried = |id: &u16| carried.iter().any(|object| object.id == *id);
-    let unplaced = ambiguous.iter().filter(|id| !is_carried(id));
-    let unplaced =
-        unplaced.map(|&id| ObjectDetection { id, flags: flag::TWICE, ..ObjectDetection::default() });
+    let ambiguous = seen.twice.iter();
+    let ambiguous =
+        ambiguous.map(|&id| ObjectDetection { id, flags: flag::TWICE, ..ObjectDetection::default() });
     let seen = seen.objects.iter().filter_map(|object| {
         let (position_m, orientation, quality) = pose(object)?;
         let (id, corners_px) = (object.id, object.corners_px);
         Some(ObjectDetection { id, flags: flag::SEEN, quality, position_m, orientation, corners_px })
     });
-    let twice = |id: &u16| if ambiguous.contains(id) { flag::TWICE } else { 0 };
-    let carried = carried.iter().map(|&PlacedObject { id, position_m, orientation }| ObjectDetection {
-        id,
-        flags: flag::HELD | twice(&id),
-        position_m,
-        orientation,
-        ..ObjectDetection::default()
-    });
     let mut written = 0;
-    for (object, slot) in seen.chain(carried).chain(unplaced).zip(message.objects.iter_mut()) {
+    for (object, slot) in seen.chain(ambiguous).zip(message.objects.iter_mut()) {
         *slot = object;
         written += 1;
     }
@@ -193,7 +181,7 @@ mod tests {
         assert!(to_core(&message).hands.is_empty(), "no hand has the code 0");
     }
 
-    /// Object 5 is seen, object 6 is hidden in a hand.
+    /// Object 5 is seen, and the marker of object 6 twice.
     fn seen() -> Seen {
         let mut seen = Seen::default();
         let object = seen::ObjectDetection {
@@ -204,8 +192,7 @@ mod tests {
             quality: 0.8,
         };
         seen.objects.push(object).unwrap();
-        let pose = PlacedObject { id: 6, position_m: [0.3, 0.4, 0.0], orientation: [0.0, 0.0, 0.0, 1.0] };
-        seen.carried.push(pose).unwrap();
+        seen.twice.push(6).unwrap();
         let hand = seen::HandDetection {
             side: seen::Side::Right,
             score: 0.9,
@@ -218,13 +205,12 @@ mod tests {
     }
 
     #[test]
-    fn an_object_that_a_hand_hides_is_on_the_channel_as_held_and_the_method_has_not_seen_it() {
+    fn an_object_whose_marker_is_in_view_twice_is_on_the_channel_and_the_method_has_not_seen_it() {
         let mut message = Detections::default();
         write(&seen(), &mut message);
-        let [shown, held] = message.objects() else { unreachable!("two objects were written") };
+        let [shown, twice] = message.objects() else { unreachable!("two objects were written") };
         assert_eq!((shown.id, shown.flags), (5, flag::SEEN));
-        assert_eq!((held.id, held.flags, held.quality), (6, flag::HELD, 0.0));
-        assert_eq!((held.position_m, held.orientation), ([0.3, 0.4, 0.0], [0.0, 0.0, 0.0, 1.0]));
+        assert_eq!((twice.id, twice.flags, twice.quality), (6, flag::TWICE, 0.0));
         let ids: Vec<u16> = to_core(&message).objects.iter().map(|object| object.id).collect();
         assert_eq!(ids, [5]);
     }
@@ -240,7 +226,7 @@ mod tests {
         scene.objects.push(pose).unwrap();
         let mut message = Detections::default();
         write_metric(&seen(), &scene, &mut message);
-        let [object] = message.objects() else { unreachable!("the scene holds nothing in a hand") };
+        let [object, _twice] = message.objects() else { unreachable!("two objects were written") };
         assert_eq!((object.position_m, object.orientation), ([0.1, 0.2, 0.3], tilted));
         assert_eq!(object.quality, 0.4, "another pose fits as well");
         assert_eq!(to_core(&message).hands[0].tips, [[0.5, 0.6, 0.7]; 3]);

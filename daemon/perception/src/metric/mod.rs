@@ -21,11 +21,8 @@ pub use depth::{DepthImage, Sampler};
 pub use error::MetricError;
 pub use lens::{Distortion, Lens, Rig, rigid};
 
-use crate::carried::{CarriedObjects, PlacedHand};
 use crate::config::MarkerObject;
-use crate::detections::{
-    Detections, HANDS, HandDetection, LANDMARKS, OBJECTS, ObjectDetection, PlacedObject, Side,
-};
+use crate::detections::{Detections, HANDS, HandDetection, LANDMARKS, OBJECTS, ObjectDetection, Side};
 use crate::points::PixelPoint;
 use heapless::Vec;
 use nalgebra::{Isometry3, Point3};
@@ -37,12 +34,6 @@ pub struct MetricHand {
     pub side: Side,
     /// Landmarks in metres in the bench frame; NaN where the hand has had no depth for half a second.
     pub landmarks_m: [[f32; 3]; LANDMARKS],
-}
-
-impl From<&MetricHand> for PlacedHand {
-    fn from(hand: &MetricHand) -> Self {
-        Self { side: hand.side, landmarks_m: hand.landmarks_m }
-    }
 }
 
 /// An object in the bench frame.
@@ -58,12 +49,6 @@ pub struct MetricObject {
     pub unambiguous: bool,
 }
 
-impl From<&MetricObject> for PlacedObject {
-    fn from(object: &MetricObject) -> Self {
-        Self { id: object.id, position_m: object.position_m, orientation: object.orientation }
-    }
-}
-
 /// The detections of one frame in the bench frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MetricScene {
@@ -71,8 +56,6 @@ pub struct MetricScene {
     pub hands: Vec<MetricHand, HANDS>,
     /// The objects of the detections, in their order, without those whose corners are no picture of a square.
     pub objects: Vec<MetricObject, OBJECTS>,
-    /// Carried objects whose markers are hidden, placed by the motion of the hand.
-    pub carried: Vec<PlacedObject, OBJECTS>,
 }
 
 /// The last pose of an object.
@@ -92,7 +75,6 @@ pub struct Metric {
     bench: BenchFrame,
     objects: std::vec::Vec<MarkerObject>,
     remembered: Vec<Remembered, OBJECTS>,
-    carried: CarriedObjects,
     /// Per hand, indexed by [`Side`].
     palms: [hand::Memory; HANDS],
 }
@@ -100,14 +82,7 @@ pub struct Metric {
 impl Metric {
     /// For a camera that does not move, over a bench whose frame is known.
     pub fn new(rig: Rig, bench: BenchFrame, objects: &[MarkerObject]) -> Self {
-        Self {
-            rig,
-            bench,
-            objects: objects.to_vec(),
-            remembered: Vec::new(),
-            carried: CarriedObjects::default(),
-            palms: Default::default(),
-        }
+        Self { rig, bench, objects: objects.to_vec(), remembered: Vec::new(), palms: Default::default() }
     }
 
     /// Places what was detected in pixels. Without depth, objects are placed by their corners alone, and hands stay at their
@@ -132,9 +107,6 @@ impl Metric {
         let hands = detections.hands.iter();
         // There is room, as above.
         scene.hands.extend(hands.map(|hand| self.hand(sampler.as_ref(), hand, detections.captured_ns)));
-        let hands: Vec<_, HANDS> = scene.hands.iter().map(PlacedHand::from).collect();
-        let objects: Vec<_, OBJECTS> = scene.objects.iter().map(PlacedObject::from).collect();
-        scene.carried = self.carried.step(detections.captured_ns, &hands, &objects);
         Ok(scene)
     }
 

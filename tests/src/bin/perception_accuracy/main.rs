@@ -3,7 +3,6 @@
 //! Every clip `NAME.mp4` has its truth beside it in `NAME.truth.jsonl` (see `tests/footage/README.md`). `ffmpeg` decodes the
 //! clips.
 
-mod carried;
 mod clip;
 mod detected;
 mod errors;
@@ -34,12 +33,6 @@ struct Arguments {
 enum Measurement {
     /// How well hands and markers are detected, and how long it takes: one row per clip.
     Detected(detected::Arguments),
-    /// What is gained by moving a hidden object with the hand that carries it.
-    Carried {
-        /// Clips with their truth beside them.
-        #[arg(required = true)]
-        clips: Vec<PathBuf>,
-    },
     /// What is said of a picture that something is done to, and after how long: one row per clip and change.
     Sight(sight::Arguments),
     /// How far landmarks and markers are from the truth in three dimensions.
@@ -54,7 +47,6 @@ fn main() -> Result<(), Error> {
     let Arguments { measurement, runtime } = Arguments::parse();
     match measurement {
         Measurement::Detected(arguments) => detected::run(&arguments, &runtime),
-        Measurement::Carried { clips } => carried::run(&clips, &runtime),
         Measurement::Sight(arguments) => sight::run(&arguments, &runtime),
         Measurement::Metric(arguments) => metric::run(&arguments, &runtime),
         Measurement::Speed(arguments) => speed::run(&arguments, &runtime),
