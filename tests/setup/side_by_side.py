@@ -28,8 +28,9 @@ PROGRAMS = 2 + PROCESSORS
 # The page that says what each program took. Those that took longest begin first: at the end nothing else is left to run beside them. What computes
 # begins beside what waits: three that compute on two processors take more than twice as long as one after the other.
 TIMES = Path(__file__).parents[1] / "TIMES.md"
-# The camera's library plays a recording by the clock and pairs pictures by when they come: beside others it loses some.
-ALONE = ["recording"]
+# The camera's library plays a recording by the clock and pairs pictures by when they come: beside others it loses some. Nothing waits for the role
+# `record`: beside others it loses pictures, and its tests are about what is in them.
+ALONE = ["recording", "line_record_tools"]
 # What tests that work by chance take their draw from, and the first number that is not drawn: people can type those below it.
 SEEDS = ["ANDON_SEED", "PROPTEST_RNG_SEED"]
 MAX_SEED = 100_000

@@ -99,8 +99,8 @@ pub enum ToolError {
     /// A recording that brings no job along was to be judged without one.
     #[error("{}: name the job with --job; only a recording of the role `record` (.mcap) brings its own along", .0.display())]
     NoJobNamed(PathBuf),
-    /// A track file was to be annotated.
-    #[error("--annotate needs a film: a track file has no pictures")]
+    /// What has no pictures was to be annotated.
+    #[error("--annotate needs pictures: a track file has none, nor has a recording that has lost them")]
     NothingToAnnotate,
     /// A file or a folder that is needed cannot be read.
     #[error("{}: {source}; {remedy}", path.display())]

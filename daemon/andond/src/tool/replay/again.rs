@@ -174,8 +174,13 @@ impl<'a> Drawing<'a> {
         Ok(annotator.draw(View { format: self.format, picture, seen }, couples, step.verdicts)?)
     }
 
+    /// Ends the film. Where no picture belongs to what was detected, there is none.
     fn finish(self) -> Result<(), ToolError> {
-        self.annotator.map_or(Ok(()), |annotator| Ok(annotator.finish()?))
+        match self.annotator {
+            Some(annotator) => Ok(annotator.finish()?),
+            None if self.file.is_some() => Err(ToolError::NothingToAnnotate),
+            None => Ok(()),
+        }
     }
 }
 
