@@ -1,6 +1,6 @@
 //! The folder of the recordings: what is in it, what may stay, and what goes.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -72,17 +72,34 @@ fn of_unread(recording: &Path) -> Index {
 /// # Errors
 /// As [`recordings`].
 pub(crate) fn files(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    Ok(groups(folder)?.into_values().filter_map(|group| group.recording).collect())
+}
+
+/// A recording with what lies beside it: its index and its stills.
+#[derive(Default)]
+struct Group {
+    /// None where only the rest is left.
+    recording: Option<PathBuf>,
+    beside: Vec<PathBuf>,
+}
+
+/// What is ours in a folder, by what the names of a group begin with, the oldest first. A folder that is not there has nothing.
+fn groups(folder: &Path) -> io::Result<BTreeMap<String, Group>> {
     let entries = match fs::read_dir(folder) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(BTreeMap::new()),
         entries => entries?,
     };
-    let paths = entries.map(|entry| Ok(entry?.path()));
-    let is_recording =
-        |path: &PathBuf| path.extension().is_some_and(|ending| ending == ENDING) && is_ours(path);
-    let mut files: Vec<PathBuf> =
-        paths.filter(|path| path.as_ref().map_or(true, is_recording)).collect::<io::Result<_>>()?;
-    files.sort();
-    Ok(files)
+    let mut groups: BTreeMap<String, Group> = BTreeMap::new();
+    for entry in entries {
+        let path = entry?.path();
+        let Some(stem) = stem(&path).filter(|_| is_ours(&path)) else { continue };
+        match path.extension().and_then(|ending| ending.to_str()) {
+            Some(ENDING) => groups.entry(stem).or_default().recording = Some(path),
+            Some("json" | "jpg") => groups.entry(stem).or_default().beside.push(path),
+            _ => (),
+        }
+    }
+    Ok(groups)
 }
 
 /// Whether a file has the name of a recording, or of what lies beside one: number and time. Other files in the folder are somebody else's.
@@ -179,22 +196,13 @@ pub fn remove_file(path: &Path) -> io::Result<()> {
 /// # Errors
 /// What the system says.
 pub fn orphans(folder: &Path) -> io::Result<Vec<PathBuf>> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder)? {
-        let path = entry?.path();
-        if is_index_or_still(&path) {
-            found.push(path);
-        }
-    }
-    // After them: a recording that has begun meanwhile has none of these beside it.
-    let stems: HashSet<_> = files(folder)?.iter().filter_map(|path| stem(path)).collect();
-    found.retain(|path| stem(path).is_some_and(|stem| !stems.contains(&stem)));
+    // A recording that has begun meanwhile is there before what lies beside it.
+    let is_alone = |stem: &str| !folder.join(format!("{stem}.{ENDING}")).exists();
+    let left =
+        groups(folder)?.into_iter().filter(|(stem, group)| group.recording.is_none() && is_alone(stem));
+    let mut found: Vec<PathBuf> = left.flat_map(|(_, group)| group.beside).collect();
     found.sort();
     Ok(found)
-}
-
-fn is_index_or_still(path: &Path) -> bool {
-    is_ours(path) && path.extension().is_some_and(|ending| ending == "json" || ending == "jpg")
 }
 
 /// What the names of a recording and of everything beside it begin with. It ends before the second point; the first is in the time.
@@ -206,15 +214,8 @@ fn stem(path: &Path) -> Option<String> {
 
 /// The files that lie beside a recording: its index and its stills.
 fn beside(recording: &Path) -> io::Result<Vec<PathBuf>> {
-    let Some((folder, of)) = recording.parent().zip(stem(recording)) else { return Ok(Vec::new()) };
-    let mut paths = Vec::new();
-    for entry in fs::read_dir(folder)? {
-        let path = entry?.path();
-        if is_index_or_still(&path) && stem(&path).as_ref() == Some(&of) {
-            paths.push(path);
-        }
-    }
-    Ok(paths)
+    let Some((folder, stem)) = recording.parent().zip(stem(recording)) else { return Ok(Vec::new()) };
+    Ok(groups(folder)?.remove(&stem).unwrap_or_default().beside)
 }
 
 /// What was done to stay within a budget.
@@ -238,8 +239,9 @@ pub fn enforce(folder: &Path, budget: &Budget) -> io::Result<Enforced> {
     }
     let oldest = SystemTime::now().checked_sub(budget.age);
     let mut kept = Vec::new();
-    for path in files(folder)? {
-        let Some((bytes, changed)) = size_and_age(&path)? else { continue };
+    for Group { recording, beside } in groups(folder)?.into_values() {
+        let Some(path) = recording else { continue };
+        let Some((bytes, changed)) = size_and_age(&path, &beside)? else { continue };
         kept.push((path, bytes, oldest.is_some_and(|oldest| changed < oldest)));
     }
     let mut total: u64 = kept.iter().map(|(_, bytes, _)| bytes).sum();
@@ -257,9 +259,13 @@ pub fn enforce(folder: &Path, budget: &Budget) -> io::Result<Enforced> {
     Ok(done)
 }
 
-/// The bytes of a recording and when it was written last; `None` where somebody has removed it meanwhile.
-fn size_and_age(recording: &Path) -> io::Result<Option<(u64, SystemTime)>> {
-    let found = fs::metadata(recording).and_then(|file| Ok((size(recording)?, file.modified()?)));
+/// The bytes of a recording and of everything beside it, and when it was written last; `None` where somebody has removed it meanwhile.
+fn size_and_age(recording: &Path, beside: &[PathBuf]) -> io::Result<Option<(u64, SystemTime)>> {
+    let size = |path: &PathBuf| fs::metadata(path).map(|file| file.len());
+    let found = fs::metadata(recording).and_then(|file| {
+        let others: u64 = beside.iter().map(size).sum::<io::Result<_>>()?;
+        Ok((file.len() + others, file.modified()?))
+    });
     match found {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
         found => found.map(Some),
@@ -288,15 +294,6 @@ fn owed(folder: &Path, (path, limit): &(PathBuf, u64)) -> u64 {
         return 0;
     }
     limit.saturating_sub(fs::metadata(path).map_or(0, |file| file.len()))
-}
-
-/// The bytes of a recording and of everything beside it.
-fn size(recording: &Path) -> io::Result<u64> {
-    let mut bytes = fs::metadata(recording)?.len();
-    for path in beside(recording)? {
-        bytes += fs::metadata(path)?.len();
-    }
-    Ok(bytes)
 }
 
 /// Takes the lock of a recording, for as long as the file is open. False where a recorder writes it.
@@ -390,6 +387,14 @@ mod tests {
         let folder = folder_of([(1, "json"), (1, "7-1.jpg"), (2, "mcap"), (2, "json")], &theirs);
         assert_eq!(enforce(folder.path(), &Budget { bytes: 0, ..GENEROUS }).unwrap().removed, 1);
         assert_eq!(names(folder.path()), theirs);
+    }
+
+    #[test]
+    fn a_folder_that_is_not_there_yet_has_nothing_to_be_removed() {
+        let home = tempfile::tempdir().unwrap();
+        let done = enforce(&home.path().join("recordings"), &GENEROUS).unwrap();
+        assert!(done.removed == 0 && done.unremoved.is_empty(), "{done:?}");
+        assert!(orphans(&home.path().join("recordings")).unwrap().is_empty());
     }
 
     #[test]
