@@ -19,7 +19,7 @@ use crate::index::{Index, still_of};
 use crate::repair::{Repaired, is_cut, repair};
 use crate::store::{self, Budget, Enforced};
 use crate::topic::Topic;
-use crate::writer::{Attachment, Entry, RecordingWriter};
+use crate::writer::{Attachment, Entry, RecordingWriter, shifted};
 
 /// How often what was received is brought to the disk: a kill costs no more than this.
 const FLUSH: Duration = Duration::from_secs(1);
@@ -401,8 +401,7 @@ impl Open {
     }
 
     fn write(&mut self, entry: &Entry) -> Result<(), McapError> {
-        let sent_ns = i128::from(entry.sent_ns) + self.offset_ns;
-        self.index.sent(u64::try_from(sent_ns).unwrap_or_default());
+        self.index.sent(shifted(entry.sent_ns, self.offset_ns));
         if entry.topic == Topic::Raw(Channel::Verdict)
             && let Some(verdict) = from_bytes::<Verdict>(&entry.data)
         {

@@ -8,7 +8,11 @@ use andon_perception::{PerceptionError, PixelFormat};
 use opencv::core::{BORDER_CONSTANT, CV_8UC1, Mat, Point, Scalar, Size, ToInputArray, Vec3b, Vector};
 use opencv::prelude::*;
 use opencv::{imgcodecs, imgproc};
+use prost::Message as _;
 use shm_schemas::FrameHeader;
+
+use crate::viewer::CompressedImage;
+use crate::writer::Entry;
 
 /// Why a frame has no picture.
 #[derive(Debug, thiserror::Error)]
@@ -141,6 +145,13 @@ impl PictureMaker {
 fn fill(picture: &mut Mat, polygon: &Vector<Point>, colour: Scalar) -> opencv::Result<()> {
     let alone: Vector<Vector<Point>> = [polygon.clone()].into_iter().collect();
     imgproc::fill_poly_def(picture, &alone, colour)
+}
+
+/// The picture in a message of the topic [`crate::Topic::Picture`]; `None` where it holds none.
+#[must_use]
+pub fn picture_in(message: &Entry) -> Option<Decoded> {
+    let image = CompressedImage::decode(message.data.as_ref()).ok()?;
+    decode(&image.data).ok()
 }
 
 /// A picture out of a recording.

@@ -8,7 +8,7 @@ use shm_schemas::{MessageId, Verdict, VerdictNote, VerdictOutcome};
 use crate::disk::Disk;
 use crate::ring::Ring;
 use crate::topic::Topic;
-use crate::writer::{Attachment, Entry};
+use crate::writer::{Attachment, Entry, shifted};
 
 const SECOND: u64 = 1_000_000_000;
 
@@ -50,8 +50,7 @@ pub struct ToDisk {
 impl Sink for ToDisk {
     fn begin(&mut self, now_ns: u64) {
         let offset_ns = (self.offset_ns)();
-        let utc_ns = i128::from(now_ns) + offset_ns;
-        self.disk.begin(u64::try_from(utc_ns).unwrap_or_default(), offset_ns);
+        self.disk.begin(shifted(now_ns, offset_ns), offset_ns);
     }
 
     fn attach(&mut self, attachment: Attachment) {
@@ -180,7 +179,7 @@ impl<S: Sink> Recorder<S> {
             self.ring.push(entry.clone());
         }
         if self.open.is_none() {
-            self.begin(entry.sent_ns);
+            self.begin(entry.sent_ns, u64::MAX);
             if is_standing {
                 // It was written as the recording began.
                 return;
@@ -287,10 +286,7 @@ impl<S: Sink> Recorder<S> {
     /// waits: its pictures may still be wanted, and what has none grows slowly.
     fn go_on(&mut self, now_ns: u64, pictures_until_ns: u64) {
         self.end();
-        self.begin(now_ns);
-        if let Some(open) = &mut self.open {
-            open.pictures_until_ns = pictures_until_ns;
-        }
+        self.begin(now_ns, pictures_until_ns);
     }
 
     /// What was open cannot be written any more: what comes begins another.
@@ -320,15 +316,12 @@ impl<S: Sink> Recorder<S> {
         let is_of_job = self.is_job_running || self.job_ended_ns >= begin_ns;
         let job_ns = if is_of_job { self.job_began_ns.saturating_sub(LEAD_NS) } else { begin_ns };
         let kept = self.ring.since(0, begin_ns, begin_ns.min(job_ns));
-        self.begin(now_ns);
+        self.begin(now_ns, pictures_until_ns);
         kept.into_iter().for_each(|entry| self.write(entry));
-        if let Some(open) = &mut self.open {
-            open.pictures_until_ns = pictures_until_ns;
-        }
     }
 
-    fn begin(&mut self, now_ns: u64) {
-        self.open = Some(Open { bytes: 0, pictures_until_ns: u64::MAX, waits_from: None });
+    fn begin(&mut self, now_ns: u64, pictures_until_ns: u64) {
+        self.open = Some(Open { bytes: 0, pictures_until_ns, waits_from: None });
         self.sink.begin(now_ns);
         for attachment in self.attachments.clone() {
             self.sink.attach(attachment);

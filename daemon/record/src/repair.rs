@@ -3,9 +3,9 @@
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use andon_host::atomic;
+use andon_ipc::UtcTime;
 use mcap::{MAGIC, McapError};
 
 use crate::index::Index;
@@ -99,7 +99,7 @@ fn copy(
     let mut has_any = false;
     // The times in a file are UTC already.
     let mut writer = RecordingWriter::new(BufWriter::new(out), 0).map_err(CopyError::Write)?;
-    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos() as u64;
+    let now = UtcTime::now().nanoseconds();
     while let Some(item) = reader.next_item().map_err(CopyError::Read)? {
         has_any |= matches!(item, Item::Entry(_));
         let written = match item {

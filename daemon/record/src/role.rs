@@ -21,7 +21,7 @@ use shm_schemas::{
 };
 
 use crate::disk::Disk;
-use crate::picture::{Decoded, PictureMaker, decode};
+use crate::picture::{Decoded, PictureMaker, picture_in};
 use crate::recorder::{MESSAGE_MEMORY, Recorder, ToDisk};
 use crate::retention::{budget, say};
 use crate::topic::Topic;
@@ -389,9 +389,7 @@ impl<N: Narrator> Recording<N> {
 
     fn still(&mut self, verdict: &Verdict) -> Option<Vec<u8>> {
         let entry = self.recorder.picture_at(verdict.stamp.captured_ns)?;
-        let image = CompressedImage::decode(entry.data.as_ref()).ok()?;
-        let time_ns = entry.time_ns;
-        let picture = decode(&image.data).ok()?;
+        let (time_ns, picture) = (entry.time_ns, picture_in(entry)?);
         let seen = self.recent.iter().find(|seen| seen.stamp.captured_ns == time_ns);
         self.narrator.still(picture, seen, verdict)
     }

@@ -124,7 +124,7 @@ impl<W: Write + Seek> RecordingWriter<W> {
 }
 
 /// A time on another clock; at the ends of its range where it would be beyond them.
-fn shifted(time_ns: u64, offset_ns: i128) -> u64 {
+pub(crate) fn shifted(time_ns: u64, offset_ns: i128) -> u64 {
     let time_ns = i128::from(time_ns) + offset_ns;
     u64::try_from(time_ns.max(0)).unwrap_or(u64::MAX)
 }

@@ -9,14 +9,13 @@ use andon_core::input::Frame;
 use andon_host::config::Config;
 use andon_host::video::pipe::PictureFormat;
 use andon_ipc::Channel;
-use andon_learn::recording::{Header, Landmarks, NamedObject};
-use andon_record::picture::{Decoded, decode};
-use andon_record::viewer::CompressedImage;
+use andon_learn::recording::{Header, Landmarks};
+use andon_record::picture::{Decoded, picture_in};
 use andon_record::{End, Entry, Item, RecordingReader, Topic};
-use prost::Message as _;
 use shm_schemas::{Detections, flag};
 
 use super::{BlackboxError, Piece, message, only_piece, station_of};
+use crate::recorder;
 use crate::wire;
 
 /// Pictures that wait for what was seen in them: perception is at most a second behind.
@@ -119,8 +118,7 @@ impl Frames {
             let Some(picture) = self.pictures.pop_front().filter(|picture| picture.time_ns == time_ns) else {
                 continue;
             };
-            let image = CompressedImage::decode(picture.data.as_ref()).ok();
-            self.shown = image.and_then(|image| decode(&image.data).ok());
+            self.shown = picture_in(&picture);
         }
     }
 
@@ -237,14 +235,8 @@ impl Run {
 
 /// What a station can see.
 fn header(config: &Config) -> Header {
-    let objects = config.objects.iter().zip(config.shapes());
-    Header {
-        rate_hz: config.method.rate_hz,
-        space: config.method.space,
-        hands: config.perception.hands.clone(),
-        landmarks: Landmarks::All,
-        objects: objects.map(|(object, shape)| NamedObject { name: object.name.clone(), shape }).collect(),
-    }
+    let hands = config.perception.hands.clone();
+    Header { hands, landmarks: Landmarks::All, ..recorder::header(config) }
 }
 
 /// The size of the first picture of a recording.
@@ -257,9 +249,7 @@ pub fn first_picture(path: &Path) -> Result<Option<PictureFormat>, BlackboxError
         if let Item::Entry(entry) = item
             && entry.topic == Topic::Picture
         {
-            let image = CompressedImage::decode(entry.data.as_ref()).ok();
-            let picture =
-                image.and_then(|image| decode(&image.data).ok()).filter(|picture| picture.width > 0);
+            let picture = picture_in(&entry).filter(|picture| picture.width > 0);
             return Ok(picture.map(|picture| PictureFormat {
                 width: picture.width,
                 height: picture.height,

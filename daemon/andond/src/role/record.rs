@@ -20,7 +20,7 @@ use crate::wire;
 /// Runs until it is asked to stop.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
     if config.record.mode == RecordMode::Off {
-        log!(code::RECORDING_OFF, "record.mode is \"off\": no picture is stored anywhere");
+        log!(code::RECORDING_OFF, "record.mode is \"off\"");
         return Ok(andon_record::retention::run(node, config)?);
     }
     let objects = config.objects.iter().map(|object| (object.id, object.name.clone()));
