@@ -2,7 +2,7 @@
 
 use crate::layout::wire;
 use crate::stamp::{Stamp, message};
-use crate::{HANDS, OBJECTS};
+use crate::{HANDS, OBJECTS, flag};
 
 /// Landmarks of a hand, in the order of MediaPipe: 0 is the wrist. 8, 12 and 16 are the tips of index, middle and ring finger.
 pub const LANDMARKS: usize = 21;
@@ -73,5 +73,10 @@ impl Detections {
     /// The valid objects.
     pub fn objects(&self) -> &[ObjectDetection] {
         &self.objects[..(self.objects_len as usize).min(OBJECTS)]
+    }
+
+    /// The valid objects that were seen in this frame.
+    pub fn seen_objects(&self) -> impl Iterator<Item = &ObjectDetection> {
+        self.objects().iter().filter(|object| object.flags & flag::SEEN != 0)
     }
 }

@@ -9,11 +9,12 @@ use std::path::Path;
 use andon_core::couple::Couple;
 use andon_core::verdict::{Outcome, Verdict};
 use andon_host::video::pipe::PictureFormat;
-use shm_schemas::{Detections, HandDetection, flag};
+use shm_schemas::Detections;
 
 use super::assumed::LastSeen;
-use super::canvas::{AMBER, BLUE, Canvas, GREEN, RED, WHITE};
+use super::canvas::{AMBER, Canvas, RED};
 use super::panel;
+use super::seen::{BONES, draw_seen};
 use super::steps::Steps;
 use crate::recording::View;
 use crate::report::Names;
@@ -22,36 +23,11 @@ use crate::video::{FilmWriter, VideoError};
 /// For how long the red frame stays after an anomaly, in nanoseconds.
 const ALARM_NS: u64 = 2_000_000_000;
 
+/// How large the tips of fingers are drawn, in pixels.
+const TIP_PX: i32 = 5;
+
 /// For how long the last picture stays, in seconds: the time to read three lines.
 pub const END_S: f64 = 2.0;
-
-/// The bones of a hand, as pairs of landmarks in MediaPipe's order.
-pub(super) const BONES: [(usize, usize); 21] = [
-    (0, 1),
-    (1, 2),
-    (2, 3),
-    (3, 4),
-    (0, 5),
-    (5, 6),
-    (6, 7),
-    (7, 8),
-    (5, 9),
-    (9, 10),
-    (10, 11),
-    (11, 12),
-    (9, 13),
-    (13, 14),
-    (14, 15),
-    (15, 16),
-    (13, 17),
-    (17, 18),
-    (18, 19),
-    (19, 20),
-    (0, 17),
-];
-
-/// Landmarks 8, 12 and 16: the interaction points of a hand.
-pub(super) const TIPS: [usize; 3] = [8, 12, 16];
 
 /// Why a film could not be annotated.
 #[derive(Debug, thiserror::Error)]
@@ -107,10 +83,7 @@ impl Annotator {
         let now_ns = view.seen.source_ns;
         self.canvas.show(view.picture)?;
         self.last_seen.take(view.seen);
-        self.draw_objects(view.seen)?;
-        for hand in view.seen.hands() {
-            self.draw_hand(hand)?;
-        }
+        draw_seen(&mut self.canvas, view.seen, &self.names, TIP_PX)?;
         self.draw_assumed(view.seen, couples)?;
         self.draw_contacts(view.seen, couples)?;
         verdicts.iter().for_each(|verdict| self.steps.judge(verdict));
@@ -145,25 +118,6 @@ impl Annotator {
     /// That it cannot be written to its end.
     pub fn finish(self) -> Result<(), AnnotateError> {
         Ok(self.film.finish()?)
-    }
-
-    fn draw_objects(&mut self, seen: &Detections) -> opencv::Result<()> {
-        for object in seen.objects().iter().filter(|object| object.flags & flag::SEEN != 0) {
-            self.canvas.outline(&object.corners_px, GREEN)?;
-            let [x, y] = object.corners_px[0];
-            self.canvas.name([x, y - 6.0], &self.names.object(object.id), WHITE)?;
-        }
-        Ok(())
-    }
-
-    fn draw_hand(&mut self, hand: &HandDetection) -> opencv::Result<()> {
-        for (from, to) in BONES {
-            self.canvas.line(hand.landmarks_px[from], hand.landmarks_px[to], BLUE, 2)?;
-        }
-        for tip in TIPS {
-            self.canvas.dot(hand.landmarks_px[tip], 5, AMBER)?;
-        }
-        Ok(())
     }
 
     fn draw_assumed(&mut self, seen: &Detections, couples: &[Couple]) -> opencv::Result<()> {
@@ -205,7 +159,7 @@ impl Annotator {
 }
 
 fn centre(seen: &Detections, id: u16) -> Option<[f32; 2]> {
-    let mut objects = seen.objects().iter().filter(|object| object.flags & flag::SEEN != 0);
+    let mut objects = seen.seen_objects();
     let object = objects.find(|object| object.id == id)?;
     let sum = object.corners_px.iter().fold([0.0; 2], |sum, corner| [sum[0] + corner[0], sum[1] + corner[1]]);
     Some(sum.map(|coordinate| coordinate / 4.0))

@@ -2,7 +2,7 @@
 
 use crate::report::Names;
 use andon_core::couple::Couple;
-use shm_schemas::{Detections, HandCode, HandDetection, LANDMARKS, ObjectDetection, flag};
+use shm_schemas::{Detections, HandCode, HandDetection, LANDMARKS, ObjectDetection};
 
 type Corners = [[f32; 2]; 4];
 type Landmarks = [[f32; 2]; LANDMARKS];
@@ -29,7 +29,7 @@ impl LastSeen {
     /// Takes what was seen in the next picture.
     pub(super) fn take(&mut self, seen: &Detections) {
         let at_ns = seen.source_ns;
-        for object in seen.objects().iter().filter(|object| object.flags & flag::SEEN != 0) {
+        for object in seen.seen_objects() {
             self.objects.retain(|known| known.object.id != object.id);
             self.objects.push(SeenPart { object: *object, hands: seen.hands().to_vec(), at_ns });
         }
@@ -44,7 +44,7 @@ impl LastSeen {
     pub(super) fn objects(&self, seen: &Detections, couples: &[Couple]) -> Vec<(u16, Corners)> {
         let place = |known: &SeenPart| {
             let id = known.object.id;
-            if seen.objects().iter().any(|object| object.id == id && object.flags & flag::SEEN != 0) {
+            if is_seen(seen, id) {
                 return None;
             }
             let in_hand = known.in_hand(seen, couples);
@@ -66,10 +66,8 @@ impl LastSeen {
     /// The names of the parts and hands that have been out of sight for so long that they are assumed to be nowhere.
     pub(super) fn lost(&self, seen: &Detections, couples: &[Couple], names: &Names) -> Vec<String> {
         let assumed = self.objects(seen, couples);
-        let is_seen =
-            |id: u16| seen.objects().iter().any(|object| object.id == id && object.flags & flag::SEEN != 0);
         let ids = self.objects.iter().map(|known| known.object.id);
-        let parts = ids.filter(|id| !is_seen(*id) && assumed.iter().all(|(other, _)| other != id));
+        let parts = ids.filter(|id| !is_seen(seen, *id) && assumed.iter().all(|(other, _)| other != id));
         let parts = parts.map(|id| names.object(id));
         let is_gone = |(known, seen_ns): &&(HandDetection, u64)| {
             seen.hands().iter().all(|hand| hand.hand != known.hand) && !self.is_recent(*seen_ns, seen)
@@ -83,6 +81,10 @@ impl LastSeen {
     fn is_recent(&self, seen_ns: u64, seen: &Detections) -> bool {
         seen.source_ns.saturating_sub(seen_ns) <= self.blind_ns
     }
+}
+
+fn is_seen(seen: &Detections, id: u16) -> bool {
+    seen.seen_objects().any(|object| object.id == id)
 }
 
 impl SeenPart {
@@ -110,6 +112,7 @@ mod tests {
     use super::*;
     use andon_core::couple::Context;
     use andon_core::input::Side;
+    use shm_schemas::flag;
 
     const S: u64 = 1_000_000_000;
 

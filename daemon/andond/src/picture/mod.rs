@@ -4,6 +4,7 @@ mod annotator;
 mod assumed;
 mod canvas;
 mod panel;
+mod seen;
 mod steps;
 mod still;
 mod veil;

@@ -3,10 +3,10 @@
 use andon_host::video::pipe::PictureFormat;
 use andon_perception::BenchPoint;
 use andon_perception::bench::{Examination, MarkerResidual};
-use shm_schemas::{Detections, flag};
+use shm_schemas::Detections;
 
-use super::annotator::{BONES, TIPS};
-use super::canvas::{AMBER, BLUE, Canvas, GREEN, RED, WHITE};
+use super::canvas::{AMBER, Canvas, GREEN, RED, WHITE};
+use super::seen::{draw_hand, draw_seen};
 use crate::report::Names;
 
 /// How many times as long as they are the residuals are drawn.
@@ -49,12 +49,7 @@ pub fn with_seen(
         canvas.text([left, y], &marked.words, 0.45, if marked.is_doubtful { AMBER } else { WHITE })?;
     }
     for hand in seen.hands() {
-        for (from, to) in BONES {
-            canvas.line(hand.landmarks_px[from], hand.landmarks_px[to], BLUE, 2)?;
-        }
-        for tip in TIPS {
-            canvas.dot(hand.landmarks_px[tip], 3, AMBER)?;
-        }
+        draw_hand(&mut canvas, hand, 3)?;
     }
     Ok(canvas.pixels().to_vec())
 }
@@ -74,19 +69,8 @@ pub fn with_verdict(
     let higher = PictureFormat { height: format.height + LEGEND_PX, ..format };
     let mut canvas = Canvas::at_its_size([format.width, format.height], higher.height);
     canvas.show(picture)?;
-    let objects = seen.map(Detections::objects).unwrap_or_default();
-    for object in objects.iter().filter(|object| object.flags & flag::SEEN != 0) {
-        canvas.outline(&object.corners_px, GREEN)?;
-        let [x, y] = object.corners_px[0];
-        canvas.name([x, y - 6.0], &names.object(object.id), WHITE)?;
-    }
-    for hand in seen.map(Detections::hands).unwrap_or_default() {
-        for (from, to) in BONES {
-            canvas.line(hand.landmarks_px[from], hand.landmarks_px[to], BLUE, 2)?;
-        }
-        for tip in TIPS {
-            canvas.dot(hand.landmarks_px[tip], 4, AMBER)?;
-        }
+    if let Some(seen) = seen {
+        draw_seen(&mut canvas, seen, names, 4)?;
     }
     for (line, words) in (1_u8..).zip(lines(words, format.width as usize / CHARACTER_PX)).take(2) {
         canvas.text([8.0, format.height as f32 + 20.0 * f32::from(line)], &words, 0.5, WHITE)?;

@@ -132,7 +132,7 @@ pub fn to_core(message: &Detections) -> Frame {
             let _ = frame.hands.push(hand);
         }
     }
-    for object in message.objects().iter().filter(|object| object.flags & flag::SEEN != 0) {
+    for object in message.seen_objects() {
         let _ = frame.objects.push(Object {
             id: object.id,
             position: object.position_m,

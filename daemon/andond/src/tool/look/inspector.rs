@@ -5,7 +5,7 @@ use andon_host::config::{Config, Object};
 use andon_host::video::pipe::PictureFormat;
 use andon_perception::sight::SeenMarker;
 use andon_perception::{ImageView, MarkerFinder, Perceiver, Picture, PixelFormat};
-use shm_schemas::{Detections, HandCode, flag};
+use shm_schemas::{Detections, HandCode};
 
 use super::source::View;
 use crate::picture::{Marked, with_seen};
@@ -35,13 +35,13 @@ pub(super) struct Inspection {
 impl Inspection {
     /// How much it shows: markers and hands.
     pub(super) fn shows(&self) -> usize {
-        let parts = self.seen.objects().iter().filter(|object| object.flags & flag::SEEN != 0).count();
+        let parts = self.seen.seen_objects().count();
         parts + self.others.len() + self.seen.hands().len()
     }
 
     /// The corners of a part's marker, in pixels.
     pub(super) fn part(&self, id: u16) -> Option<[[f32; 2]; 4]> {
-        let mut seen = self.seen.objects().iter().filter(|object| object.flags & flag::SEEN != 0);
+        let mut seen = self.seen.seen_objects();
         seen.find(|object| object.id == id).map(|object| object.corners_px)
     }
 
@@ -117,7 +117,7 @@ impl Inspector {
         others.retain(|marker| self.parts.iter().all(|part| part.marker != marker.id));
         let (twice, hands) = (perceived.twice.to_vec(), perceived.hands_in_view);
         let is_missing = |part: &&Part| {
-            let mut seen = seen.objects().iter().filter(|object| object.flags & flag::SEEN != 0);
+            let mut seen = seen.seen_objects();
             !seen.any(|object| object.id == part.id) && !twice.contains(&part.id)
         };
         let missing: Vec<u16> = self.parts.iter().filter(is_missing).map(|part| part.marker).collect();
