@@ -1,6 +1,6 @@
 //! `encode`: detections to feature couples.
 
-use andon_core::couple::{self, Unusable};
+use andon_core::couple;
 use andon_host::config::Config;
 use andon_host::log::{code, log};
 use andon_host::role::{Cycle, Output, Role, Turn};
@@ -22,7 +22,7 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         couples: Output::new(node.writer()?, &[RoleId::Judge]),
         detections: node.reader()?,
         judging: node.reader()?,
-        encoding: Encoding::new(config, job.as_ref()).map_err(unusable)?,
+        encoding: Encoding::new(config, job.as_ref())?,
         ready: Vec::new(),
         visibility: Visibility::new(config),
     };
@@ -73,7 +73,7 @@ impl Encode<'_> {
         }
         let job = jobs::in_force(self.config, judging)?;
         self.send_rest(cycle)?;
-        self.encoding = Encoding::new(self.config, job.as_ref()).map_err(unusable)?;
+        self.encoding = Encoding::new(self.config, job.as_ref())?;
         self.visibility = Visibility::new(self.config);
         Ok(())
     }
@@ -100,7 +100,7 @@ impl Encode<'_> {
     /// Begins with a new encoder.
     fn begin(&mut self) -> Result<(), RoleError> {
         self.visibility = Visibility::new(self.config);
-        self.encoding.begin().map_err(unusable)
+        Ok(self.encoding.begin()?)
     }
 
     fn send_ready(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
@@ -115,8 +115,4 @@ impl Encode<'_> {
         }
         Ok(())
     }
-}
-
-fn unusable(error: Unusable) -> RoleError {
-    RoleError::Method(format!("{error:?}"))
 }

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
+use andon_core::{anomaly, couple};
 use andon_host::exit::Code::{Configuration, Fault};
 use andon_host::log::Remedy::{InMessage, OfCode};
 use andon_host::log::code;
@@ -101,6 +102,18 @@ pub enum RoleError {
 impl From<Ipc> for RoleError {
     fn from(error: Ipc) -> Self {
         Self::Cycle(error.into())
+    }
+}
+
+impl From<couple::Unusable> for RoleError {
+    fn from(error: couple::Unusable) -> Self {
+        Self::Method(format!("{error:?}"))
+    }
+}
+
+impl From<anomaly::Unusable> for RoleError {
+    fn from(error: anomaly::Unusable) -> Self {
+        Self::Method(format!("{error:?}"))
     }
 }
 

@@ -4,12 +4,13 @@ use std::time::{Duration, Instant};
 
 use andon_host::config::Config;
 use andon_ipc::{Node, UtcTime, Wake, Writer};
-use andon_journal::{AuditEntry, History, Journal, JournalError, Retention};
+use andon_journal::{AuditEntry, History, Journal, JournalError};
 use shm_schemas::{Audit, AuditKind, RoleId};
 
 use super::ToolError;
 use super::join::join;
 use crate::identity::own_user;
+use crate::role::retention;
 
 /// A journal that runs writes within one turn.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -27,12 +28,7 @@ pub(super) fn keep(config: &Config, kind: AuditKind, what: &str) -> Result<(), T
 
 fn note(config: &Config, kind: AuditKind, what: &str) -> Result<(), ToolError> {
     // As the role opens it: what it may remove belongs to it.
-    let retention = Retention {
-        keep_days: config.journal.keep_days,
-        keep_mb: config.journal.keep_mb,
-        without: if config.plc.enable { &[] } else { &[RoleId::Plc] },
-    };
-    let mut journal = Journal::open(&config.journal_path(), retention)?;
+    let mut journal = Journal::open(&config.journal_path(), retention(config))?;
     Ok(journal.note(UtcTime::now().nanoseconds(), kind, &own_user(), what)?)
 }
 

@@ -98,6 +98,20 @@ fn write_together<'a>(files: impl IntoIterator<Item = (&'a Path, &'a [u8])>) -> 
     atomic::write_together(&files).map_err(|(path, error)| cannot_write(path)(error))
 }
 
+/// Exit code: an anomaly was found.
+const ANOMALY: u8 = 1;
+/// Exit code: nothing wrong was found, and something could not be judged.
+const NOT_JUDGED: u8 = 2;
+
+/// The exit code of verdicts, whether an anomaly is among them and whether anything was left open; 0 where all was right.
+fn code_of_verdicts(is_anomaly: bool, is_open: bool) -> u8 {
+    match (is_anomaly, is_open) {
+        (true, _) => ANOMALY,
+        (false, true) => NOT_JUDGED,
+        (false, false) => 0,
+    }
+}
+
 /// Reads the configuration that the arguments name, or the one that lies where it is looked for.
 ///
 /// # Errors

@@ -13,18 +13,13 @@ use jiff::Timestamp;
 
 use super::clip::recordings;
 use super::since::since_ns;
-use super::{ToolError, job, progress, running_config};
+use super::{ToolError, code_of_verdicts, job, progress, running_config};
 use crate::blackbox::again::{Recorded, Step, judge};
 use crate::blackbox::{Chain, Plan, chains};
 use crate::cli::Whatif;
 use crate::compatibility;
 use crate::report::Names;
 use crate::wire;
-
-/// Exit code: the new job would have found an anomaly.
-const ANOMALY: u8 = 1;
-/// Exit code: nothing wrong would have been found, and something could not have been judged.
-const NOT_JUDGED: u8 = 2;
 
 /// Runs the command; the exit code is what the new job says.
 ///
@@ -209,10 +204,6 @@ impl Table {
     fn exit_code(&self) -> u8 {
         let [right, wrong, not_judged] = self.new.pieces;
         let is_open = not_judged > 0 || self.new.has(false) || right == 0 || !self.left_out.is_empty();
-        match (wrong > 0 || self.new.has(true), is_open) {
-            (true, _) => ANOMALY,
-            (false, true) => NOT_JUDGED,
-            (false, false) => 0,
-        }
+        code_of_verdicts(wrong > 0 || self.new.has(true), is_open)
     }
 }

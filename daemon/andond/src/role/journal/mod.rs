@@ -89,18 +89,22 @@ impl Role for Keeper {
     }
 }
 
+/// What the journal of a station keeps, and which consumers it does without.
+pub(crate) fn retention(config: &Config) -> Retention {
+    Retention {
+        keep_days: config.journal.keep_days,
+        keep_mb: config.journal.keep_mb,
+        without: if config.plc.enable { &[] } else { &[RoleId::Plc] },
+    }
+}
+
 impl Keeper {
     /// An open database is the first step: readiness must not wait for a worker. `None` when a stop is asked for before that.
     fn open(cycle: &mut Cycle<'_>, config: &Config) -> Result<Option<Self>, RoleError> {
         let path = config.journal_path();
         let began = Instant::now();
-        let retention = Retention {
-            keep_days: config.journal.keep_days,
-            keep_mb: config.journal.keep_mb,
-            without: if config.plc.enable { &[] } else { &[RoleId::Plc] },
-        };
-        let opened =
-            cycle.until_open(|| Journal::open_or_replace(&path, retention).map_err(RoleError::from))?;
+        let opened = cycle
+            .until_open(|| Journal::open_or_replace(&path, retention(config)).map_err(RoleError::from))?;
         let Some((journal, aside)) = opened else { return Ok(None) };
         let delivery = Delivery::open(cycle.node(), &journal)?;
         let mut keeper = Self {

@@ -1,6 +1,6 @@
 //! The job that is watched, and what the judge says of it.
 
-use andon_core::anomaly::{Event, Unusable};
+use andon_core::anomaly::Event;
 use andon_core::couple::Couples;
 use andon_core::job::Job;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
@@ -41,7 +41,7 @@ impl<'j> Watched<'j> {
             part: PartId::NONE,
         };
         let names = Names::of_job(file);
-        let watch = Watch::new(job, file, is_between_jobs).map_err(unusable)?;
+        let watch = Watch::new(job, file, is_between_jobs)?;
         Ok(Self { file, sender, names, watch, events: Vec::new() })
     }
 
@@ -80,13 +80,13 @@ impl<'j> Watched<'j> {
 
     /// Ends the job; what comes next belongs to a new one.
     pub(super) fn finish(&mut self, ports: &mut Ports, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
-        self.watch.finish(&mut |event| self.events.push(event)).map_err(unusable)?;
+        self.watch.finish(&mut |event| self.events.push(event))?;
         self.begin_again(ports, cycle)
     }
 
     /// Ends the job where its couples break off, or are not watched any more.
     pub(super) fn break_off(&mut self, ports: &mut Ports, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
-        self.watch.break_off(&mut |event| self.events.push(event)).map_err(unusable)?;
+        self.watch.break_off(&mut |event| self.events.push(event))?;
         self.begin_again(ports, cycle)
     }
 
@@ -119,10 +119,6 @@ impl<'j> Watched<'j> {
         }
         Ok(())
     }
-}
-
-fn unusable(error: Unusable) -> RoleError {
-    RoleError::Method(format!("{error:?}"))
 }
 
 /// What a technician reads: jobs and anomalies, each IU only on request.

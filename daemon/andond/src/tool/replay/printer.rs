@@ -8,11 +8,7 @@ use andon_learn::job_file::JobFile;
 use shm_schemas::PartId;
 
 use crate::report::{Names, Teller, VerdictLine, on_recording};
-
-/// Exit code: an anomaly was found.
-const ANOMALY: u8 = 1;
-/// Exit code: nothing wrong was found, and something could not be judged.
-const NOT_JUDGED: u8 = 2;
+use crate::tool::code_of_verdicts;
 
 pub(super) struct Printer {
     json: bool,
@@ -72,10 +68,6 @@ impl Printer {
     }
 
     pub(super) fn exit_code(&self) -> u8 {
-        match (self.anomaly, self.not_judged || !self.judged) {
-            (true, _) => ANOMALY,
-            (false, true) => NOT_JUDGED,
-            (false, false) => 0,
-        }
+        code_of_verdicts(self.anomaly, self.not_judged || !self.judged)
     }
 }
