@@ -48,9 +48,14 @@ pub fn known_and_drawn(known: u64) -> [u64; 2] {
 
 /// One in this many, from a drawn one on: a case that takes minutes is tried by one run in turn. `ANDON_EVERY=1` tries all.
 pub fn one_in<T>(default: u64, all: Vec<T>) -> Vec<T> {
+    let [every, skipped] = turn(default);
+    all.into_iter().skip(skipped as usize).step_by(every as usize).collect()
+}
+
+/// As [`one_in`]: which share is tried, one in how many, and how many come before the first.
+pub fn turn(default: u64) -> [u64; 2] {
     let every = number("ANDON_EVERY", default).max(1);
-    let first = seed() % every;
-    all.into_iter().skip(first as usize).step_by(every as usize).collect()
+    [every, seed() % every]
 }
 
 /// A number that no one has chosen.

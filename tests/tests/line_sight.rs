@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_tests::environment;
-use andon_tests::line::{Line, PATIENCE, Watcher, andond, root};
+use andon_tests::line::{Line, NOISE, PATIENCE, Watcher, andond, root};
 use shm_schemas::{RoleId, Sight};
 use std::path::Path;
 use std::process::Command;
@@ -10,8 +10,6 @@ use std::time::{Duration, Instant};
 
 /// As fast as it can be processed: nothing is dropped.
 const MAX: &str = "speed = \"max\"";
-/// What every picture is like that a camera gives; rendered ones have no noise.
-const NOISE: &str = "noise=alls=4:allf=t";
 
 /// A station that plays a shipped clip again and again; from its fourth second on this is done to it, until its ninth.
 fn line_that_shows(filter: &str) -> Line {

@@ -4,8 +4,8 @@
 
 use andon_ipc::{Channel, Reader};
 use andon_tests::line::{
-    Counted, Line, PATIENCE, Shift, Watcher, account, andond, kept, measure, root, samples, scrape, soft_plc,
-    stand_in, tally, told_last, verdicts,
+    Counted, Line, NOISE, PATIENCE, Shift, Watcher, account, andond, kept, measure, root, samples, scrape,
+    soft_plc, stand_in, tally, told_last, verdicts,
 };
 use andon_tests::python::python;
 use andon_tests::{environment, workers};
@@ -20,8 +20,6 @@ use std::time::{Duration, Instant};
 
 /// From when to when the line does not watch, in seconds of the film, in the middle of the strokes of a right run.
 const UNSEEN_S: [f64; 2] = [4.0, 7.0];
-/// What every picture is like that a camera gives; rendered ones have no noise.
-const NOISE: &str = "noise=alls=4:allf=t";
 /// The run that the film of a row shows.
 const RUN: &str = "p1_none_r1.mp4";
 /// The other runs that are taught beside it.

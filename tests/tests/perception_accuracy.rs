@@ -45,9 +45,7 @@ fn a_clip_is_measured_and_its_hand_and_markers_are_found() {
 /// What was done to the picture, what should be said of it within two seconds, and what was said. A draw tries one in three of what can be done.
 #[test]
 fn the_line_says_what_it_cannot_see_and_cries_no_wolf() {
-    let every = environment::number("ANDON_EVERY", 3);
-    let skip = environment::seed() % every;
-    let [every, skip] = [every, skip].map(|number| number.to_string());
+    let [every, skip] = environment::turn(3).map(|number| number.to_string());
     let table = rows("sight", &["--every", &every, "--skip", &skip, "tests/footage/p2_none_r1.mp4"]);
     let (summary, rows) = table.split_last().unwrap();
     let troubles = |row: &&String| !row.contains("| nothing | nothing |");

@@ -5,6 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// The filter that makes pictures as a camera gives them: rendered ones have no noise.
+pub const NOISE: &str = "noise=alls=4:allf=t";
+
 /// The tree that the tests belong to.
 pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().unwrap()
