@@ -352,7 +352,7 @@ fn nothing_is_accused_for_what_was_not_seen() {
     for (number, job) in TAUGHT_BY_OTHERS.iter() {
         let whole = Capture::read(*number).recording();
         assert!(!jobs(&judged(job, &whole)).contains(&Outcome::Anomaly), "run {number} as it was recorded");
-        for seed in environment::known_and_drawn(72) {
+        for seed in environment::known_and_drawn(2631) {
             let tried = try_deletions(job, &[&whole], seed + u64::from(*number), cases);
             assert!(tried.accused.is_empty(), "seed {seed}, run {number}: {:?}", tried.accused);
             let tried = try_two_pieces(job, &[&whole], seed + u64::from(*number), cases);

@@ -86,8 +86,8 @@ pub(super) struct OpenActivity {
     may_be_remainder: bool,
     /// An end of all of it fits into as many hidden frames.
     end_frames: u32,
-    /// All its IUs may have come before the newest one, which then belongs to another activity with the same part.
-    may_have_ended: bool,
+    /// The nominal activities all of whose IUs may have come before the newest one, which then belongs to another activity with the same part.
+    ended: ActivitySet,
     /// An object that it may use and that was unseen up to some time in it; 0 where it is not known which. What it looks like without that is not
     /// known.
     pub(super) never_seen: Option<u16>,
@@ -143,7 +143,7 @@ impl OpenActivity {
             transition: Transition::default(),
             may_be_remainder: hidden == u32::MAX,
             end_frames,
-            may_have_ended: false,
+            ended: ActivitySet::EMPTY,
             never_seen: None,
             is_begun_late: false,
             is_concluded: false,
@@ -257,10 +257,11 @@ impl OpenActivity {
             let hidden = self.transition.hidden;
             // The hand may have let go meanwhile, or ended all of it and begun again with the same object, if that may come again.
             if context != Context::IDLE {
-                let mut all = self.places.iter().zip(job.activities).enumerate();
-                self.may_have_ended |= all.any(|(index, (places, nominal))| {
-                    places.may_be_again(nominal.ius, hidden, context) && progress.may_come_again(side, index)
-                });
+                let all = self.places.iter().zip(job.activities).enumerate();
+                let is_again = |(index, (places, nominal)): &(usize, (&Places, &NominalActivity<'_>))| {
+                    places.may_be_again(nominal.ius, hidden, context) && progress.may_come_again(side, *index)
+                };
+                self.ended |= all.filter(is_again).map(|(index, _)| index).collect();
             } else if hidden >= self.end_frames {
                 self.note_possible_end(job);
             }
@@ -274,12 +275,12 @@ impl OpenActivity {
     /// The hand was idle, or may have been: what was not judged or not seen may have been all of it.
     fn note_possible_end(&mut self, job: &Job<'_>) {
         let is_doubtful = self.unjudged.is_some() || !self.has_certainly_ended(job);
-        self.may_have_ended |= is_doubtful && self.may_be_complete(job);
+        self.ended |= self.may_have_come(job).collect::<ActivitySet>().when(is_doubtful);
     }
 
     /// Whether what was seen of the activity may be a part of a nominal one, with what may have happened unseen.
     pub(super) fn may_be_right(&self) -> bool {
-        self.may_have_ended || self.places.iter().any(|places| !places.is_empty())
+        self.may_have_ended() || self.places.iter().any(|places| !places.is_empty())
     }
 
     /// Whether what is missing may have happened unseen.
@@ -287,25 +288,27 @@ impl OpenActivity {
         self.may_have_come(job).next().is_some()
     }
 
-    /// The nominal activities that may have come to their end, with what may have happened unseen.
+    /// The nominal activities that may have come to their end, with what may have happened unseen. What comes after such an end may be any of those
+    /// that still have a place.
     pub(super) fn may_have_come(&self, job: &Job<'_>) -> impl Iterator<Item = usize> {
         let hidden = self.transition.hidden;
         let all = self.places.iter().zip(job.activities).enumerate();
-        let may_have_come = move |places: &Places, nominal: &NominalActivity<'_>| {
-            !places.is_empty() && self.may_have_ended || places.may_be_complete(nominal.ius, hidden)
+        let ended = self.ended | candidates_at(&self.places).when(self.may_have_ended());
+        let may_have_come = move |index: usize, places: &Places, nominal: &NominalActivity<'_>| {
+            ended.contains(index) || places.may_be_complete(nominal.ius, hidden)
         };
-        let complete = all.filter(move |(_, (places, nominal))| may_have_come(places, nominal));
+        let complete = all.filter(move |(index, (places, nominal))| may_have_come(*index, places, nominal));
         complete.map(|(nominal, _)| nominal)
     }
 
     /// Whether all its IUs may have come before the newest one.
     pub(super) fn may_have_ended(&self) -> bool {
-        self.may_have_ended
+        !self.ended.is_empty()
     }
 
     /// Whether it must have ended unseen: what has come since then is no part of it.
     pub(super) fn must_have_ended(&self) -> bool {
-        self.may_have_ended && self.places.iter().all(|places| places.is_empty())
+        self.may_have_ended() && self.places.iter().all(|places| places.is_empty())
     }
 
     /// Whether all of it has come, some of it unseen, if the hand is idle now.
@@ -325,7 +328,7 @@ impl OpenActivity {
         let all = self.places.iter().zip(job.activities).filter(|(places, _)| !places.is_empty());
         let ended = all.map(|(places, nominal)| places.is_certainly(nominal.ius.len()));
         let Transition { hidden, was_doubtful, .. } = self.transition;
-        let is_seen = hidden == 0 && !was_doubtful && !self.may_have_ended;
+        let is_seen = hidden == 0 && !was_doubtful && !self.may_have_ended();
         is_seen && ended.reduce(|one, other| one && other) == Some(true)
     }
 
@@ -354,7 +357,7 @@ impl OpenActivity {
             }
             Against::Following(..) => self.unjudged.is_none(),
         };
-        is_certain && !self.may_have_ended
+        is_certain && !self.may_have_ended()
     }
 
     /// How many nominal IUs have come if each was seen, and each that was seen has happened.
