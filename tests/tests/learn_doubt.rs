@@ -17,7 +17,7 @@ use andon_tests::rate::Rate;
 use andon_tests::simulator::{Expected, Flaw, Noise, Performance, perform};
 
 /// The seed that has always been tried.
-const KNOWN: u64 = 71;
+const KNOWN: u64 = 87_314;
 
 /// The share of right jobs that must be right beside other jobs as well.
 const MIN_RIGHT: f64 = 0.95;

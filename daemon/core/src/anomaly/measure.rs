@@ -27,10 +27,19 @@ impl IuObservation {
         // Hidden motion may have been faster than seen motion.
         let share = HIDDEN_SLACK * hidden;
         let hidden_m = share * self.frames as f32 * speed;
-        let Measures { reversals, path_m: walked_m, detour_m, lateral_m, unseen_before_way, .. } =
-            self.measures;
-        // Which frames were seen decides where the steps of a path end, at each reversal and at last.
-        let step_m = if hidden > 0.0 { (reversals + 1) as f32 * MOVED_M } else { 0.0 };
+        let Measures {
+            reversals,
+            path_m: walked_m,
+            detour_m,
+            lateral_m,
+            unseen_before_way,
+            is_error_known,
+            ..
+        } = self.measures;
+        // Which frames were seen decides where the steps of a path end, at each reversal and at last. So do errors, where nothing says how large
+        // they are.
+        let is_inexact = hidden > 0.0 || may_be_hidden && !is_error_known;
+        let step_m = if is_inexact { (reversals + 1) as f32 * MOVED_M } else { 0.0 };
         let is_detour = if iu.measures.max_detour_m.is_finite() {
             detour_m > iu.measures.max_detour_m + step_m
         } else {
@@ -38,7 +47,8 @@ impl IuObservation {
         };
         // Where the hand was not seen before its way, that may have begun elsewhere.
         let unseen = if may_be_hidden { unseen_before_way as f32 } else { 0.0 };
-        let lateral_step_m = if hidden + unseen > 0.0 { ENDS as f32 * MOVED_M + unseen * speed } else { 0.0 };
+        let is_way_inexact = is_inexact || unseen > 0.0;
+        let lateral_step_m = if is_way_inexact { ENDS as f32 * MOVED_M + unseen * speed } else { 0.0 };
         let is_lateral = lateral_m > iu.measures.max_lateral_m + lateral_step_m;
         let too_long = first(&[
             (reversals > iu.reversals.max, Measure::Strokes),

@@ -41,6 +41,8 @@ pub struct Measures {
     pub cut_reversals: u32,
     /// The share of the frames that were not seen, where what happened in them cannot be known; 0 to 1.
     pub hidden: f32,
+    /// Whether it is known how exactly the positions were seen, as after an encoder has seen its objects lie still.
+    pub is_error_known: bool,
 }
 
 impl Measures {
@@ -81,12 +83,15 @@ pub(super) struct Meter {
     strokes_m: f32,
     /// A movement of less is none, in metres.
     moved_m: f32,
+    /// Whether the newest position came with its drift.
+    is_error_known: bool,
 }
 
 impl Meter {
     /// Takes the next frame, with the position if it is known. What is shorter than `drift_m` may be errors.
     pub(super) fn push(&mut self, position: Option<Point>, drift_m: f32) {
         self.moved_m = MOVED_M.max(drift_m);
+        self.is_error_known = drift_m > 0.0;
         self.frames = self.frames.saturating_add(1);
         let Some(position) = position else {
             self.unknown = self.unknown.saturating_add(1);
@@ -179,6 +184,7 @@ impl Meter {
             hidden_reversals: ended.hidden_reversals,
             cut_reversals: ended.cut_reversals.saturating_add(ended.may_have_reversed().into()),
             hidden: (ended.hidden / frames).min(1.0),
+            is_error_known: self.is_error_known,
         }
     }
 }
