@@ -253,15 +253,16 @@ fn what_a_hand_is_in_the_middle_of_has_begun_although_a_part_of_it_was_not_judge
     let laws = [FREE, AFTER_POLISHING];
     let job = Job { laws: &laws, ..teach(&[&hold, &polish(6)]) };
     let [carry, work, back] = hold;
-    let [seen, hidden, again] = [(40, true), (8, false), (30, true)].map(|(frames, sighted)| Part {
-        frames,
-        sighted,
-        ..if sighted { work } else { carry }
-    });
-    let couples = stream(&after(180, &polish(6)), &after(40, &[carry, seen, hidden, again, back, idle(20)]));
-    let verdicts = judged(&job, &couples);
-    assert_eq!(activity(&verdicts, 0).outcome, Outcome::NotJudged);
-    assert!(verdicts.iter().all(|verdict| verdict.outcome != Outcome::Anomaly), "{verdicts:?}");
+    let unseen = |context| Part { context, frames: 8, sighted: false, ..carry };
+    let seen = Part { frames: 40, ..work };
+    let goes_on = [carry, seen, unseen(carry.context), Part { frames: 30, ..work }, back, idle(20)];
+    // The hand goes away, and the two parts seem to stay together because one of them is hidden.
+    let lets_go = [carry, seen, Part { frames: 60, ..unseen([0, 0, 6, 5]) }, idle(20)];
+    for left in [&goes_on[..], &lets_go] {
+        let verdicts = judged(&job, &stream(&after(180, &polish(6)), &after(40, left)));
+        assert_eq!(activity(&verdicts, 0).outcome, Outcome::NotJudged);
+        assert!(verdicts.iter().all(|verdict| verdict.outcome != Outcome::Anomaly), "{verdicts:?}");
+    }
 }
 
 /// A hand that has touched its part first is first, although it is not said so before the part moves.

@@ -140,7 +140,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             Against::Following(nominal, _) => self.begin_following(nominal, couple, progress, emit),
         }
         if let Some(activity) = &self.activity {
-            progress.set_underway(self.side, activity.candidates_as_seen(), activity.candidates());
+            let may_be = (!activity.is_out_of_sequence()).then(|| activity.candidates());
+            progress.set_underway(self.side, activity.candidates_as_seen(), may_be);
         }
     }
 

@@ -83,7 +83,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &mut self.activity else { return true };
         activity.give_up();
         progress.give_up(activity.number);
-        progress.set_underway(self.side, ActivitySet::EMPTY, ActivitySet::EMPTY);
+        progress.set_underway(self.side, ActivitySet::EMPTY, Some(ActivitySet::EMPTY));
         true
     }
 }

@@ -158,6 +158,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         self.activity = None;
         self.is_broken_off = false;
         progress.set_waiting(self.side, None);
-        progress.set_underway(self.side, ActivitySet::EMPTY, ActivitySet::EMPTY);
+        progress.set_underway(self.side, ActivitySet::EMPTY, Some(ActivitySet::EMPTY));
     }
 }

@@ -400,12 +400,13 @@ impl<'a> Progress<'a> {
     ) -> u16 {
         let other = side.other();
         let came = self.state.done | self.state.wrong;
-        let underway = self.state.may_be_underway[other.index()];
+        let [as_seen, may_be] =
+            [&self.state.underway, &self.state.may_be_underway].map(|all| all[other.index()]);
         self.state.begins[side.index()] = Begin {
             ns: began_ns,
             seen_ns: if is_begin_seen { began_ns } else { 0 },
             came,
-            begun: came | underway.when(underway.iter().count() == 1),
+            begun: came | may_be.when(may_be.iter().count() == 1 && as_seen == may_be),
             may_have_begun: self.begun(other),
             may_have_ended: self.state.may_have_ended[other.index()],
         };
@@ -474,10 +475,13 @@ impl<'a> Progress<'a> {
         self.tried() | self.state.may_be_underway[side.index()]
     }
 
-    /// Sets what the open activity of a hand is as it was seen, and what it may be.
-    pub(super) fn set_underway(&mut self, side: Side, as_seen: ActivitySet, may_be: ActivitySet) {
+    /// Sets what the open activity of a hand is as it was seen, and what it may be. Where that is `None`, something did not fit and was not seen well
+    /// enough to be wrong: it may be what it may have been before.
+    pub(super) fn set_underway(&mut self, side: Side, as_seen: ActivitySet, may_be: Option<ActivitySet>) {
         self.state.underway[side.index()] = self.activities_of(as_seen.iter());
-        self.state.may_be_underway[side.index()] = self.activities_of(may_be.iter());
+        if let Some(may_be) = may_be {
+            self.state.may_be_underway[side.index()] = self.activities_of(may_be.iter());
+        }
     }
 
     /// A hand has done a nominal activity.
