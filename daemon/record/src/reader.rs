@@ -6,7 +6,7 @@ use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use andon_ipc::Channel;
-use mcap::records::Record;
+use mcap::records::{ChunkHeader, Record};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError, parse_record};
 
@@ -123,6 +123,9 @@ pub struct RecordingReader<R> {
     end: Option<End>,
     /// The bytes that have come.
     received: usize,
+    /// The chunk that is being unpacked, and how many bytes of it have been.
+    chunk: Vec<u8>,
+    unpacked: usize,
 }
 
 impl RecordingReader<BufReader<File>> {
@@ -146,9 +149,7 @@ impl<R: Read> RecordingReader<R> {
     /// # Errors
     /// That it is empty, no recording, or of another version.
     pub fn new(input: R, path: &Path) -> Result<Self, ReadError> {
-        let options = LinearReaderOptions::default()
-            .with_prevalidate_chunk_crcs(true)
-            .with_record_length_limit(LONGEST);
+        let options = LinearReaderOptions::default().with_emit_chunks(true).with_record_length_limit(LONGEST);
         let reader = LinearReader::new_with_options(options);
         let mut reading = Self {
             input,
@@ -158,6 +159,8 @@ impl<R: Read> RecordingReader<R> {
             schemas: HashMap::new(),
             end: None,
             received: 0,
+            chunk: Vec::new(),
+            unpacked: 0,
         };
         reading.read_header()?;
         Ok(reading)
@@ -238,7 +241,13 @@ impl<R: Read> RecordingReader<R> {
         if self.end.is_some() {
             return Ok(None);
         }
-        while let Some(event) = self.reader.next_event() {
+        loop {
+            match self.next_in_chunk() {
+                Some(Ok(record)) => return Ok(Some(record)),
+                Some(Err(error)) => return Ok(self.ends(&error)),
+                None => (),
+            }
+            let Some(event) = self.reader.next_event() else { break };
             match event {
                 Ok(LinearReadEvent::ReadRequest(bytes)) => {
                     // A file that ends early asks for what is not there; the limit above bounds what is asked for.
@@ -250,6 +259,12 @@ impl<R: Read> RecordingReader<R> {
                     self.received += read;
                 }
                 Ok(LinearReadEvent::Record { data, opcode }) => match parse_record(opcode, data) {
+                    Ok(Record::Chunk { header, data }) => {
+                        let data = data.into_owned();
+                        if let Err(error) = self.begin_chunk(&header, data) {
+                            return Ok(self.ends(&error));
+                        }
+                    }
                     Ok(record) => return Ok(Some(record.into_owned())),
                     Err(error) => return Ok(self.ends(&error)),
                 },
@@ -258,6 +273,32 @@ impl<R: Read> RecordingReader<R> {
         }
         self.end = Some(End::Complete);
         Ok(None)
+    }
+
+    /// A chunk counts only whole. The role writes none that is compressed.
+    fn begin_chunk(&mut self, header: &ChunkHeader, data: Vec<u8>) -> Result<(), McapError> {
+        if !header.compression.is_empty() {
+            return Err(McapError::UnsupportedCompression(header.compression.clone()));
+        }
+        let (saved, calculated) = (header.uncompressed_crc, crc32fast::hash(&data));
+        // Without a checksum it is 0.
+        if ![0, calculated].contains(&saved) {
+            return Err(McapError::BadChunkCrc { saved, calculated });
+        }
+        (self.chunk, self.unpacked) = (data, 0);
+        Ok(())
+    }
+
+    /// The next record of the open chunk; `None` where it has no more. The library would believe a length in it that is longer than what is there.
+    fn next_in_chunk(&mut self) -> Option<Result<Record<'static>, McapError>> {
+        let (opcode, rest) = self.chunk.get(self.unpacked..)?.split_first()?;
+        let body = rest.split_first_chunk().and_then(|(length, rest)| {
+            let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
+            rest.get(..length)
+        });
+        let Some(body) = body else { return Some(Err(McapError::UnexpectedEoc)) };
+        self.unpacked += 1 + size_of::<u64>() + body.len();
+        Some(parse_record(*opcode, body).map(Record::into_owned))
     }
 
     fn ends(&mut self, error: &McapError) -> Option<Record<'static>> {
