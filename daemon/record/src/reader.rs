@@ -6,7 +6,7 @@ use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use andon_ipc::Channel;
-use mcap::records::{ChunkHeader, Record};
+use mcap::records::{ChunkHeader, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError, parse_record};
 
@@ -258,7 +258,7 @@ impl<R: Read> RecordingReader<R> {
                     self.reader.notify_read(read);
                     self.received += read;
                 }
-                Ok(LinearReadEvent::Record { data, opcode }) => match parse_record(opcode, data) {
+                Ok(LinearReadEvent::Record { data, opcode }) => match parsed(opcode, data) {
                     Ok(Record::Chunk { header, data }) => {
                         let data = data.into_owned();
                         if let Err(error) = self.begin_chunk(&header, data) {
@@ -298,7 +298,7 @@ impl<R: Read> RecordingReader<R> {
         });
         let Some(body) = body else { return Some(Err(McapError::UnexpectedEoc)) };
         self.unpacked += 1 + size_of::<u64>() + body.len();
-        Some(parse_record(*opcode, body).map(Record::into_owned))
+        Some(parsed(*opcode, body).map(Record::into_owned))
     }
 
     fn ends(&mut self, error: &McapError) -> Option<Record<'static>> {
@@ -309,6 +309,26 @@ impl<R: Read> RecordingReader<R> {
         self.end = Some(End::Cut(why));
         None
     }
+}
+
+/// A record; the library expects the checksum of an attachment to be there.
+fn parsed(opcode: u8, body: &[u8]) -> Result<Record<'_>, McapError> {
+    if opcode == op::ATTACHMENT
+        && after_attachment_head(body).is_none_or(|rest| rest.len() < size_of::<u32>())
+    {
+        return Err(McapError::UnexpectedEoc);
+    }
+    parse_record(opcode, body)
+}
+
+/// What follows the head of an attachment: two times, name and kind, each with its length before it, and the length of what is attached.
+fn after_attachment_head(body: &[u8]) -> Option<&[u8]> {
+    let mut rest = body.get(2 * size_of::<u64>()..)?;
+    for _ in ["name", "kind"] {
+        let (length, text) = rest.split_first_chunk()?;
+        rest = text.get(u32::from_le_bytes(*length) as usize..)?;
+    }
+    rest.get(size_of::<u64>()..)
 }
 
 const NO_MAGIC: &str = "the file does not begin as an MCAP file";
