@@ -76,7 +76,9 @@ def play(programs, film, mode, seconds):
         try:
             for role in ROLES:
                 log = (folder / f"{role}.log").open("w")
-                running[role] = subprocess.Popen([programs / "andond", "run", role, "-c", config], stderr=log)
+                # As its unit has it.
+                nice = ["nice", "-n", "10"] if role == "record" else []
+                running[role] = subprocess.Popen([*nice, programs / "andond", "run", role, "-c", config], stderr=log)
                 if role == "steward":
                     time.sleep(1)
             time.sleep(5)

@@ -126,6 +126,8 @@ struct Recording<N> {
     judging: Tap<Judging>,
     audits: Tap<Audit>,
     pictures: PictureMaker,
+    /// The newest frame, until `perceive` has looked at it: to encode it meanwhile would make verdicts later on a machine that has few processors.
+    waiting: Option<FrameSample>,
     recorder: Recorder<ToDisk>,
     narrator: N,
     /// The job that the recordings carry.
@@ -170,6 +172,7 @@ pub fn run<N: Narrator>(
         judging: Tap::new(node)?,
         audits: Tap::new(node)?,
         pictures: PictureMaker::new(&record),
+        waiting: None,
         recorder,
         narrator,
         model_hash: 0,
@@ -242,6 +245,10 @@ impl<N: Narrator> Role for Recording<N> {
             self.say_losses(&losses);
         }
         drain!(self, couples);
+        let looked_at_ns = self.recent.back().map(|seen| seen.stamp.captured_ns);
+        if self.waiting.as_ref().map(|frame| frame.header().stamp.captured_ns) <= looked_at_ns {
+            self.take_waiting();
+        }
         self.take_verdicts()?;
         drain!(self, rows);
         drain!(self, accounts);
@@ -255,6 +262,7 @@ impl<N: Narrator> Role for Recording<N> {
     }
 
     fn stop(&mut self, _cycle: &mut Cycle<'_>) -> Result<(), RecordError> {
+        self.take_waiting();
         self.say_slowness();
         self.recorder.end();
         self.recorder.sink().disk.finish();
@@ -296,7 +304,8 @@ impl<N: Narrator> Recording<N> {
             let header = frame.header();
             self.recorder.take(raw(Channel::Frame, &header.stamp, bytes_of(header)), false);
             if header.width > 0 && header.flags & flag::END_OF_STREAM == 0 {
-                self.take_picture(&frame);
+                self.take_waiting();
+                self.waiting = Some(frame);
             }
         }
         let now = (self.frames.lost(), self.frames.restarts());
@@ -306,7 +315,9 @@ impl<N: Narrator> Recording<N> {
         Ok(())
     }
 
-    fn take_picture(&mut self, frame: &FrameSample) {
+    /// Keeps the picture of the frame that waits.
+    fn take_waiting(&mut self) {
+        let Some(frame) = self.waiting.take() else { return };
         self.has_pictures = true;
         let header = frame.header();
         let Ok(colour) = frame.colour() else { return };
