@@ -56,8 +56,8 @@ test-times: test
 bench: setup test-packages line
 	python3 tests/benches/report.py
 
-# Kills, stops and restarts every role and the PLC's program at random, 1,000 kills, which a quiet machine does in half an hour. Of a hundred roles 99
-# must be back within 600 ms. SEED=n repeats a run. Writes target/chaos/report.json.
+# Kills, stops and restarts every role, the recorder and the PLC's program at random, 1,000 kills, which a quiet machine does in half an hour. Of a
+# hundred roles 99 must be back within 600 ms. SEED=n repeats a run. Writes target/chaos/report.json.
 SEED = $(shell shuf -i 1-99999 -n 1)
 chaos: line test-packages
 	target/release/chaos 1000 $(SEED) target/chaos/report.json 600

@@ -1,9 +1,9 @@
 //! The role `record`: what a line does can be looked at and judged again, with the same verdicts bit for bit, whatever happened meanwhile.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_record::{End, Item, ReadError, RecordingReader, Topic, store};
+use andon_record::store;
 use andon_tests::environment;
-use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, andond, control, status};
+use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, andond, control, detections_in, status};
 use andon_tests::simulator::Flaw;
 use rustix::process::Signal;
 use shm_schemas::{JudgePhase, Refusal, RoleId, RoleState, VerdictOutcome};
@@ -12,39 +12,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// Lets a station record into its own folder.
-fn recording(line: &Line, mode: &str) {
-    let path = line.path("recordings");
-    let text = format!("[record]\nmode = \"{mode}\"\npath = {path:?}\n\n[journal]");
-    line.reconfigure("[journal]", &text);
-}
-
-/// Starts every role, the recorder first: what it receives is everything.
-fn up(line: &mut Line) -> Watcher {
-    line.start("steward");
-    let watcher = Watcher::join(&line.station);
-    line.start("record");
-    line.wait_for_log("record", "AND-601", "");
-    line.start_all_but(&["steward"]);
-    watcher
-}
-
-/// Stops every role along the data path, and the recorder before the steward.
 fn stop(line: &mut Line) {
-    let failures = line.stop_all_but_steward();
+    let failures = line.stop_recorded();
     assert!(failures.is_empty(), "{failures:?}");
-    line.role("record").signal(Signal::TERM);
-    assert!(line.role("record").wait().success(), "{}", line.log("record"));
-    assert!(line.stop().is_empty());
-}
-
-fn recordings(line: &Line) -> Vec<PathBuf> {
-    let found = store::recordings(&line.path("recordings")).unwrap();
-    found.into_iter().map(|recording| recording.path).collect()
 }
 
 fn only_recording(line: &Line) -> PathBuf {
-    let found = recordings(line);
+    let found = line.recordings();
     let [only] = found.as_slice() else { panic!("{found:?}\n{}", line.log("record")) };
     only.clone()
 }
@@ -74,8 +48,8 @@ fn all_are_equal(line: &Line, recording: &Path, at_least: usize) {
 fn a_line_that_is_recorded_is_judged_again_with_the_same_verdicts_to_the_bit() {
     let settings = Settings { at_full_speed: false, flaw: Flaw::WrongOrder, ..Settings::default() };
     let mut line = Line::new(settings);
-    recording(&line, "always");
-    let mut watcher = up(&mut line);
+    line.record("always");
+    let mut watcher = line.launch_recorded();
     let sent = watcher.until_judged();
     stop(&mut line);
     let recording = only_recording(&line);
@@ -102,8 +76,8 @@ fn load_second_job(plc: &mut Modbus, watcher: &mut Watcher) {
 #[test]
 fn commands_in_the_middle_of_a_job_come_at_the_same_place_again() {
     let mut line = Line::with_second_job(Settings { writes: true, ..Settings::live() });
-    recording(&line, "always");
-    let mut watcher = up(&mut line);
+    line.record("always");
+    let mut watcher = line.launch_recorded();
     let mut plc = Modbus::connect_when_up(line.port);
     plc.enable();
     watcher.until("a piece", |watcher| watcher.phase() == Some(JudgePhase::Running));
@@ -132,8 +106,8 @@ fn commands_in_the_middle_of_a_job_come_at_the_same_place_again() {
 #[test]
 fn after_kills_of_roles_it_is_still_judged_again_with_the_same_verdicts() {
     let mut line = Line::new(Settings::live());
-    recording(&line, "always");
-    let mut watcher = up(&mut line);
+    line.record("always");
+    let mut watcher = line.launch_recorded();
     for role in ["judge", "encode", "perceive", "judge"] {
         let before = watcher.verdicts.len();
         watcher.until("verdicts", |watcher| watcher.verdicts.len() >= before + 2);
@@ -153,8 +127,8 @@ fn after_kills_of_roles_it_is_still_judged_again_with_the_same_verdicts() {
 #[test]
 fn kills_between_commands_are_judged_again_with_the_same_verdicts() {
     let mut line = Line::with_second_job(Settings { writes: true, ..Settings::live() });
-    recording(&line, "always");
-    let mut watcher = up(&mut line);
+    line.record("always");
+    let mut watcher = line.launch_recorded();
     let mut plc = Modbus::connect_when_up(line.port);
     for (round, role) in ["judge", "encode", "judge", "perceive"].into_iter().enumerate() {
         plc.enable();
@@ -187,8 +161,8 @@ const KILLS: u64 = 5;
 #[test]
 fn a_recorder_that_is_killed_at_any_moment_leaves_files_that_are_completed_and_the_line_loses_nothing() {
     let mut line = Line::new(Settings::live());
-    recording(&line, "always");
-    let mut watcher = up(&mut line);
+    line.record("always");
+    let mut watcher = line.launch_recorded();
     let mut draw = oorandom::Rand64::new(environment::seed().into());
     let kills = environment::number("ANDON_KILLS", KILLS);
     let mut journalled = Vec::new();
@@ -212,29 +186,16 @@ fn a_recorder_that_is_killed_at_any_moment_leaves_files_that_are_completed_and_t
     stop(&mut line);
     let missing = line.journal().unexplained(&journalled);
     assert!(missing.is_empty(), "{missing:?}");
-    let found = recordings(&line);
-    // One that was killed before its first second had nothing that is whole.
-    let mut detections = 0;
-    for recording in &found {
-        let mut reader = match RecordingReader::open(recording) {
-            Ok(reader) => reader,
-            Err(ReadError::Empty { .. } | ReadError::Short { .. } | ReadError::Cut { .. }) => continue,
-            Err(error) => panic!("{error}"),
-        };
-        while let Some(item) = reader.next_item().unwrap() {
-            let of_detections = Topic::of_name("/raw/detections").unwrap();
-            detections += usize::from(matches!(item, Item::Entry(entry) if entry.topic == of_detections));
-        }
-        assert_eq!(reader.end(), End::Complete, "{}", recording.display());
-    }
+    let found = line.recordings();
+    let detections: usize = found.iter().map(|recording| detections_in(recording).unwrap()).sum();
     assert!(detections > 0 && !found.is_empty());
 }
 
 #[test]
 fn a_recorder_that_is_killed_or_stopped_is_no_fault_of_the_line_to_the_plc() {
     let mut line = Line::new(Settings { writes: true, ..Settings::live() });
-    recording(&line, "always");
-    let _watcher = up(&mut line);
+    line.record("always");
+    let _watcher = line.launch_recorded();
     let mut plc = Modbus::connect_when_up(line.port);
     plc.enable();
     plc.wait_for(status::READY);
@@ -262,8 +223,8 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 fn with_record_off_no_picture_is_stored_and_the_role_is_healthy() {
     // As fast as it can be looked at: a fault is one however busy the machine is.
     let mut line = Line::with_film("speed = \"max\"", "", &["-i", "p1_order_r1.mp4"]);
-    recording(&line, "off");
-    let mut watcher = up(&mut line);
+    line.record("off");
+    let mut watcher = line.launch_recorded();
     line.wait_for_log("record", "AND-416", "");
     line.start("capture");
     // With a recorder this is what a clip with a picture is made of.
@@ -284,8 +245,8 @@ fn with_record_off_no_picture_is_stored_and_the_role_is_healthy() {
 fn a_clip_is_made_of_an_anomaly_and_of_nothing_else() {
     // At full speed no frame is left out, so that nothing is unjudged on a busy machine.
     let mut line = Line::new(Settings { flaw: Flaw::WrongOrder, ..Settings::default() });
-    recording(&line, "fault");
-    let mut watcher = up(&mut line);
+    line.record("fault");
+    let mut watcher = line.launch_recorded();
     watcher.until_judged();
     line.wait_for_log("record", "AND-410", "");
     stop(&mut line);
@@ -294,26 +255,26 @@ fn a_clip_is_made_of_an_anomaly_and_of_nothing_else() {
     assert!(verdicts.iter().any(|verdict| verdict.outcome == VerdictOutcome::Anomaly.code()));
 
     let mut line = Line::new(Settings::default());
-    recording(&line, "fault");
-    let mut watcher = up(&mut line);
+    line.record("fault");
+    let mut watcher = line.launch_recorded();
     watcher.until_judged();
     stop(&mut line);
-    assert!(recordings(&line).is_empty(), "{}", line.log("record"));
+    assert!(line.recordings().is_empty(), "{}", line.log("record"));
 }
 
 #[test]
 fn a_folder_that_cannot_be_written_costs_recordings_and_no_verdicts_and_is_said() {
     let mut line = Line::new(Settings::live());
-    recording(&line, "always");
+    line.record("always");
     std::fs::write(line.path("recordings"), "no folder").unwrap();
-    let mut watcher = up(&mut line);
+    let mut watcher = line.launch_recorded();
     line.wait_for_log("record", "AND-412", "");
     watcher.until("the recorder's fault", |watcher| watcher.is(RoleId::Record, RoleState::Fault));
     watcher.until("verdicts all the same", |watcher| watcher.verdicts.len() >= 2);
     // As soon as it can be written, it is.
     std::fs::remove_file(line.path("recordings")).unwrap();
     let until = Instant::now() + PATIENCE;
-    while recordings(&line).is_empty() {
+    while line.recordings().is_empty() {
         assert!(Instant::now() < until, "{}", line.log("record"));
         watcher.listen(Duration::from_millis(100));
     }
@@ -372,7 +333,7 @@ impl Drop for OnOwnDisk {
 #[test]
 fn a_disk_that_fills_up_costs_recordings_and_no_verdicts_and_is_written_again_once_it_has_room() {
     let mut line = Line::new(Settings::live());
-    recording(&line, "always");
+    line.record("always");
     line.start("steward");
     let mut watcher = Watcher::join(&line.station);
     let _recorder = OnOwnDisk::start(&line);

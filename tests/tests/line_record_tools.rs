@@ -7,24 +7,14 @@ use andon_record::{picture, store};
 use andon_tests::line::{Line, Settings, Watcher, root};
 use andon_tests::python::{all_output, python};
 use andon_tests::simulator::{Flaw, Noise, Performance, perform};
-use rustix::process::Signal;
 use shm_schemas::{VerdictLevel, VerdictOutcome};
 use std::fs::{self, File};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-fn recording_of(line: &Line, mode: &str) {
-    let path = line.path("recordings");
-    line.reconfigure("[journal]", &format!("[record]\nmode = \"{mode}\"\npath = {path:?}\n\n[journal]"));
-}
-
 fn up(line: &mut Line, others: &[&'static str]) -> Watcher {
-    line.start("steward");
-    let watcher = Watcher::join(&line.station);
-    line.start("record");
-    line.wait_for_log("record", "AND-601", "");
-    line.start_all_but(&["steward"]);
+    let watcher = line.launch_recorded();
     for role in others {
         line.start(role);
     }
@@ -35,10 +25,8 @@ fn up(line: &mut Line, others: &[&'static str]) -> Watcher {
 fn stop(line: &mut Line, watcher: Watcher) {
     drop(watcher);
     line.roles.retain(|role| role.role != "capture");
-    assert!(line.stop_all_but_steward().is_empty());
-    line.role("record").signal(Signal::TERM);
-    assert!(line.role("record").wait().success(), "{}", line.log("record"));
-    assert!(line.stop().is_empty());
+    let failures = line.stop_recorded();
+    assert!(failures.is_empty(), "{failures:?}");
 }
 
 /// What a command prints that must succeed, or end with this code.
@@ -79,7 +67,7 @@ fn a_piece_that_was_accused_and_right_is_found_confirmed_taught_and_at_last_remo
     let settings = Settings { at_full_speed: false, flaw: Flaw::J1, ..Settings::default() };
     let mut line = Line::new(settings);
     teach(&line);
-    recording_of(&line, "always");
+    line.record("always");
     let mut watcher = up(&mut line, &[]);
     line.command("part", &["SN-7"]);
     watcher.until_judged();
@@ -130,7 +118,7 @@ fn a_piece_that_was_accused_and_right_is_found_confirmed_taught_and_at_last_remo
     assert!(other.contains("no recording is of part \"SN-8\""), "{other}");
     let removed = said(&line.command("forget", &["--before", "2199-01-01T00:00:00Z"]), 0);
     assert!(removed.contains("removed: "), "{removed}");
-    assert!(store::recordings(&line.path("recordings")).unwrap().is_empty());
+    assert!(line.recordings().is_empty());
     assert_eq!(fs::read_dir(line.path("recordings")).unwrap().count(), 0, "nor anything beside them");
     let deeds = said(&line.command("history", &["--audit"]), 0);
     assert!(deeds.contains("1 recordings to be removed: from before 2199-01-01T00:00:00Z"), "{deeds}");
@@ -154,7 +142,7 @@ fn whatif(line: &Line, job: &Path) -> (String, Vec<[u32; 2]>) {
 /// A line whose recorder begins another file every few seconds, with the work on a part in the midst of that.
 fn in_several_files() -> (Line, Watcher) {
     let mut line = Line::with_film("speed = \"file\"", "", &["-i", "p1_order_r1.mp4"]);
-    recording_of(&line, "always");
+    line.record("always");
     line.reconfigure("[record]\n", "[record]\nfile_mb = 4\nmemory_mb = 4\n");
     let mut watcher = up(&mut line, &[]);
     watcher.until("the judge", |watcher| watcher.judging.is_some());
@@ -166,7 +154,7 @@ fn in_several_files() -> (Line, Watcher) {
     let seen = watcher.verdicts.len();
     watcher.until("the next one", |watcher| watcher.verdicts.len() > seen);
     // What follows the piece by less than two seconds shows it as well. A file holds more than that, so the second from now on does not.
-    let files = || store::recordings(&line.path("recordings")).unwrap().len();
+    let files = || line.recordings().len();
     let enough = (files() + 2).max(3);
     watcher.until("several files", |_| files() >= enough);
     (line, watcher)
@@ -300,7 +288,7 @@ fn look_shows_nothing_of_the_bench_that_a_recording_would_not() {
 #[test]
 fn a_fault_in_a_film_becomes_a_clip_with_a_still_that_our_tools_and_those_of_others_open() {
     let mut line = Line::with_film("speed = \"max\"", "", &["-i", "p1_J1_r1.mp4"]);
-    recording_of(&line, "fault");
+    line.record("fault");
     let mut watcher = up(&mut line, &["capture"]);
     let is_fault = |level: u8, outcome: u8| {
         outcome == VerdictOutcome::Anomaly.code() && level != VerdictLevel::Job.code()

@@ -12,7 +12,7 @@ use shm_schemas::{
     RoleState, Verdict, VerdictLevel, VerdictOutcome,
 };
 use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};
 
 /// From one frame to the next.
@@ -249,18 +249,11 @@ fn a_journal_that_does_not_hear_the_judge_is_not_healthy_and_hears_it_again() {
     assert_eq!(line.journal().verdicts().len(), 1);
 }
 
-/// Lets a station record in this mode into its own folder, which is returned.
-fn recording(line: &Line, mode: &str) -> PathBuf {
-    let path = line.path("recordings");
-    line.reconfigure("[journal]", &format!("[record]\nmode = {mode:?}\npath = {path:?}\n\n[journal]"));
-    path
-}
-
 #[test]
 fn a_recording_that_was_cut_and_cannot_be_completed_is_said_and_stays_whether_anything_is_recorded_or_not() {
     for mode in ["always", "off"] {
         let mut line = Line::new(Settings::default());
-        let path = recording(&line, mode).join("00000001-20260101T000000.000Z.mcap");
+        let path = line.record(mode).join("00000001-20260101T000000.000Z.mcap");
         std::fs::create_dir(path.parent().unwrap()).unwrap();
         std::fs::write(&path, "of another program, and long enough to be one").unwrap();
         line.start("steward");
@@ -273,7 +266,7 @@ fn a_recording_that_was_cut_and_cannot_be_completed_is_said_and_stays_whether_an
 #[test]
 fn recordings_grow_too_old_and_go_also_where_nothing_is_recorded_any_more_and_that_is_said() {
     let mut line = Line::new(Settings::default());
-    let path = recording(&line, "off").join("00000001-20200101T000000.000Z.mcap");
+    let path = line.record("off").join("00000001-20200101T000000.000Z.mcap");
     std::fs::create_dir(path.parent().unwrap()).unwrap();
     let long_ago = SystemTime::now() - Duration::from_secs(40 * 86_400);
     File::create(&path).unwrap().set_modified(long_ago).unwrap();
@@ -286,7 +279,7 @@ fn recordings_grow_too_old_and_go_also_where_nothing_is_recorded_any_more_and_th
 #[test]
 fn an_anomaly_whose_picture_is_not_in_memory_any_more_is_recorded_without_it_and_that_is_reported() {
     let mut line = Line::new(Settings::default());
-    recording(&line, "always");
+    line.record("always");
     line.start("steward");
     line.start("record");
     line.wait_for_log("record", "AND-601", "");

@@ -1,11 +1,11 @@
 //! Kills, stops and restarts the roles of a line at random, also while they start. It does so with the program of a PLC that acknowledges every
-//! result and gives part ids. Checks what is left.
+//! result and gives part ids, and with the recorder of everything. Checks what is left.
 //!
 //! `chaos [KILLS] [SEED] [REPORT] [P99_MS]` fails when something hangs, or when a verdict is lost or doubled for the journal or for the PLC. It fails
 //! when a job was OK that was not right and whole. It also fails when one was OK for a part or by a job that the PLC did not want then. It fails when
 //! no right job was OK or no wrong one was found while nothing was disturbed. It fails when the line was ready while it could not judge, or not by
 //! the job that the PLC wants. It fails when shared memory is leaked, or when the PLC did not see `ready` drop. It fails when of a hundred roles more
-//! than one took longer than `P99_MS` to come back. Without `P99_MS` that time is only reported, because it depends on how busy the machine is.
+//! than one took longer than `P99_MS` to come back, or when a recording cannot be read to its end. Without `P99_MS` that time is only reported, because it depends on how busy the machine is.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod accounts;
@@ -15,7 +15,7 @@ mod poller;
 mod tally;
 
 use andon_ipc::MonotonicTime;
-use andon_tests::line::{Line, ROLES, Settings, Shift, Watcher, role_id, told_last};
+use andon_tests::line::{Line, ROLES, Settings, Shift, Watcher, detections_in, role_id, told_last};
 use andon_tests::measure::{Arguments, report};
 use andon_tests::simulator::{Flaw, Random};
 use earned::Recording;
@@ -31,6 +31,8 @@ use tally::{Recovery, Tally, load_average};
 
 /// `RestartSec` of the units.
 const RESTART_SEC: Duration = Duration::from_millis(100);
+/// Nothing waits for it, and no verdict needs it.
+const RECORDER: &str = "record";
 /// The jobs of the parts, in turn.
 const JOBS: &str = "1,2";
 /// A role that has come back may have been heard here before the PLC's side has heard it.
@@ -104,7 +106,8 @@ impl Chaos {
         let right_s = works_s.filter(|(_, flaw)| *flaw == Flaw::None).map(|(work_s, _)| work_s).collect();
         let recording = Recording { right_s, length_s };
         let evidence = Evidence { from: line.path(""), to, is_wanted: false };
-        let watcher = line.launch();
+        line.record("always");
+        let watcher = line.launch_recorded();
         let (program, poller) = (Shift::start(&line, JOBS), Poller::start(line.port));
         let (oracle, random, tally) = (Oracle::default(), Random::new(seed, &[]), Tally::default());
         let mut chaos = Self { evidence, line, watcher, program, poller, oracle, recording, random, tally };
@@ -121,8 +124,10 @@ impl Chaos {
 
     /// Disturbs one role, or the PLC's program, and waits until the line is ready again.
     fn disturb(&mut self) {
-        let index = self.random.index(ROLES.len() + 1);
-        let Some(&role) = ROLES.get(index) else { return self.restart_program() };
+        let index = self.random.index(ROLES.len() + 2);
+        let Some(&role) = ROLES.get(index) else {
+            return if index == ROLES.len() { self.restart_program() } else { self.kill_recorder() };
+        };
         let (began, began_ns) = (Instant::now(), MonotonicTime::now().nanoseconds());
         let what = match self.random.index(10) {
             // Longer than any deadline of the default configuration (3 s), shorter than the watchdog's (5 s).
@@ -193,6 +198,19 @@ impl Chaos {
         self.sleep(0.0, 1000.0);
         self.program = Shift::start(&self.line, JOBS);
         self.tally.program_kills += 1;
+    }
+
+    /// The line goes on, and to the PLC it is as ready as before.
+    fn kill_recorder(&mut self) {
+        let since_ns = MonotonicTime::now().nanoseconds();
+        self.line.role(RECORDER).kill();
+        self.sleep(0.0, 1000.0);
+        self.line.start(RECORDER);
+        self.recover(RECORDER, "a kill", Instant::now(), since_ns);
+        if self.poller.dropped_since(since_ns) {
+            self.tally.in_vain.push("the line was not ready because the recorder was killed".into());
+        }
+        self.tally.recorder_kills += 1;
     }
 
     fn stop_for_seconds(&mut self, role: &'static str) {
@@ -297,7 +315,7 @@ impl Chaos {
     }
 
     fn supervise(&mut self) {
-        for name in ROLES {
+        for name in ROLES.into_iter().chain([RECORDER]) {
             if let Some(status) = self.line.role(name).ended() {
                 self.tally.ended_by_itself.push(format!("{name}: {status}"));
                 self.oracle.unable(name, "its own end", MonotonicTime::now().nanoseconds());
@@ -316,7 +334,9 @@ impl Chaos {
         let heard = std::mem::take(&mut self.watcher.verdicts);
         // The steward cleans up when it is the last member.
         drop(self.watcher);
-        failures.extend(self.line.stop());
+        failures.extend(self.line.stop_recorded());
+        let (detections, unreadable) = recorded(&self.line);
+        failures.extend(unreadable);
         failures.extend(accounts::differences(&self.line, &heard, &self.recording));
         if !said.contains("\"missed\": 0,") {
             failures.push(format!("the PLC's program says {said}"));
@@ -331,10 +351,18 @@ impl Chaos {
                 .push(format!("of a hundred roles more than one took longer than {p99_ms} ms to come back"));
         }
         let mut text = self.tally.json();
+        text["recorded_detections"] = json!(detections);
         text["verdicts"] = accounts::counts(&self.line, &heard);
         text["ready_while_a_role_could_not_work"] = ready;
         text["failures"] = json!(failures);
         self.evidence.is_wanted = !failures.is_empty();
         (text, failures.is_empty())
     }
+}
+
+/// How many detections the recordings of a line hold, and what is wrong with those that cannot be read to their ends.
+fn recorded(line: &Line) -> (usize, Vec<String>) {
+    let (read, failed): (Vec<_>, Vec<_>) =
+        line.recordings().iter().map(|recording| detections_in(recording)).partition(Result::is_ok);
+    (read.into_iter().flatten().sum(), failed.into_iter().filter_map(Result::err).collect())
 }

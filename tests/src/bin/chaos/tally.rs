@@ -27,6 +27,7 @@ pub(crate) struct Tally {
     pub(crate) restarts: u64,
     /// The PLC's own program.
     pub(crate) program_kills: u64,
+    pub(crate) recorder_kills: u64,
     pub(crate) disturbances: u64,
     pub(crate) ready_drops: u64,
     /// Disturbances after which the PLC did not see `ready` drop.
@@ -67,6 +68,7 @@ impl Tally {
             "stops": self.stops,
             "restarts": self.restarts,
             "kills_of_the_plc_s_program": self.program_kills,
+            "kills_of_the_recorder": self.recorder_kills,
             "disturbances": self.disturbances,
             "ready_drops_seen": self.ready_drops,
             "ready_drops_unseen": self.unseen,
