@@ -87,7 +87,7 @@ pub(super) struct OpenActivity {
     /// An end of all of it fits into as many hidden frames.
     end_frames: u32,
     /// The nominal activities all of whose IUs may have come before the newest one, which then belongs to another activity with the same part.
-    ended: ActivitySet,
+    possibly_ended: ActivitySet,
     /// An object that it may use and that was unseen up to some time in it; 0 where it is not known which. What it looks like without that is not
     /// known.
     pub(super) never_seen: Option<u16>,
@@ -143,7 +143,7 @@ impl OpenActivity {
             transition: Transition::default(),
             may_be_remainder: hidden == u32::MAX,
             end_frames,
-            ended: ActivitySet::EMPTY,
+            possibly_ended: ActivitySet::EMPTY,
             never_seen: None,
             is_begun_late: false,
             is_concluded: false,
@@ -261,7 +261,7 @@ impl OpenActivity {
                 let is_again = |(index, (places, nominal)): &(usize, (&Places, &NominalActivity<'_>))| {
                     places.may_be_again(nominal.ius, hidden, context) && progress.may_come_again(side, *index)
                 };
-                self.ended |= all.filter(is_again).map(|(index, _)| index).collect();
+                self.possibly_ended |= all.filter(is_again).map(|(index, _)| index).collect();
             } else if hidden >= self.end_frames {
                 self.note_possible_end(job);
             }
@@ -275,7 +275,7 @@ impl OpenActivity {
     /// The hand was idle, or may have been: what was not judged or not seen may have been all of it.
     fn note_possible_end(&mut self, job: &Job<'_>) {
         let is_doubtful = self.unjudged.is_some() || !self.has_certainly_ended(job);
-        self.ended |= self.may_have_come(job).collect::<ActivitySet>().when(is_doubtful);
+        self.possibly_ended |= self.may_have_come(job).when(is_doubtful);
     }
 
     /// Whether what was seen of the activity may be a part of a nominal one, with what may have happened unseen.
@@ -285,25 +285,22 @@ impl OpenActivity {
 
     /// Whether what is missing may have happened unseen.
     pub(super) fn may_be_complete(&self, job: &Job<'_>) -> bool {
-        self.may_have_come(job).next().is_some()
+        !self.may_have_come(job).is_empty()
     }
 
     /// The nominal activities that may have come to their end, with what may have happened unseen. What comes after such an end may be any of those
     /// that still have a place.
-    pub(super) fn may_have_come(&self, job: &Job<'_>) -> impl Iterator<Item = usize> {
+    pub(super) fn may_have_come(&self, job: &Job<'_>) -> ActivitySet {
         let hidden = self.transition.hidden;
         let all = self.places.iter().zip(job.activities).enumerate();
-        let ended = self.ended | candidates_at(&self.places).when(self.may_have_ended());
-        let may_have_come = move |index: usize, places: &Places, nominal: &NominalActivity<'_>| {
-            ended.contains(index) || places.may_be_complete(nominal.ius, hidden)
-        };
-        let complete = all.filter(move |(index, (places, nominal))| may_have_come(*index, places, nominal));
-        complete.map(|(nominal, _)| nominal)
+        let complete = all.filter(|(_, (places, nominal))| places.may_be_complete(nominal.ius, hidden));
+        let complete: ActivitySet = complete.map(|(nominal, _)| nominal).collect();
+        self.possibly_ended | candidates_at(&self.places).when(self.may_have_ended()) | complete
     }
 
     /// Whether all its IUs may have come before the newest one.
     pub(super) fn may_have_ended(&self) -> bool {
-        !self.ended.is_empty()
+        !self.possibly_ended.is_empty()
     }
 
     /// Whether it must have ended unseen: what has come since then is no part of it.

@@ -71,10 +71,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let job = progress.job;
         let may_have_let_go = self.iu.is_none() || self.doubt.is_doubtful() || self.doubt.hidden_frames() > 0;
         let activity = self.activity.as_ref().filter(|activity| may_have_let_go || activity.may_have_ended());
-        progress.set_may_have_ended(
-            self.side,
-            activity.into_iter().flat_map(|activity| activity.may_have_come(job)),
-        );
+        let may_have_ended = activity.map_or(ActivitySet::EMPTY, |activity| activity.may_have_come(job));
+        progress.set_may_have_ended(self.side, may_have_ended);
         if !self.is_resting() {
             return;
         }

@@ -93,6 +93,7 @@ fn couples_of(side: Side, parts: &[Part]) -> Vec<Couple> {
                 distances: [0.01, 0.01],
                 visibility: [visibility(part.seen), visibility(part.sighted), Visibility::Seen],
                 unseen: (Unseen::CONTEXT | Unseen::CHANGE).when(!(part.seen && part.sighted)),
+                // It is known how exactly it was seen.
                 drift_m: 0.001,
                 ..Couple::idle(side, index as u64 * PERIOD_NS)
             }

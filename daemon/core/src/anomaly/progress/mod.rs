@@ -461,8 +461,8 @@ impl<'a> Progress<'a> {
     }
 
     /// Sets the nominal activities of which the open activity of a hand may be all.
-    pub(super) fn set_may_have_ended(&mut self, side: Side, nominal: impl Iterator<Item = usize>) {
-        self.state.may_have_ended[side.index()] = self.activities_of(nominal);
+    pub(super) fn set_may_have_ended(&mut self, side: Side, nominal: ActivitySet) {
+        self.state.may_have_ended[side.index()] = self.activities_of(nominal.iter());
     }
 
     /// One of these nominal activities may be of the next job.
