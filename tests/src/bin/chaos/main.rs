@@ -208,7 +208,7 @@ impl Chaos {
         self.line.start(RECORDER);
         self.recover(RECORDER, "a kill", Instant::now(), since_ns);
         if self.poller.dropped_since(since_ns) {
-            self.tally.in_vain.push("the line was not ready because the recorder was killed".into());
+            self.tally.needless_drops += 1;
         }
         self.tally.recorder_kills += 1;
     }
@@ -345,6 +345,10 @@ impl Chaos {
         failures.extend(false_ready);
         failures.extend(self.line.shared_files().iter().map(|name| format!("left in shared memory: {name}")));
         failures.append(&mut self.tally.in_vain);
+        if self.tally.needless_drops > 0 {
+            failures
+                .push(format!("ready dropped for the recorder alone: {} times", self.tally.needless_drops));
+        }
         failures.extend(self.tally.unseen.iter().map(|what| format!("ready did not drop: {what}")));
         if self.tally.p99_ms() > p99_ms {
             failures
