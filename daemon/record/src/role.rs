@@ -245,8 +245,7 @@ impl<N: Narrator> Role for Recording<N> {
             self.say_losses(&losses);
         }
         drain!(self, couples);
-        let looked_at_ns = self.recent.back().map(|seen| seen.stamp.captured_ns);
-        if self.waiting.as_ref().map(|frame| frame.header().stamp.captured_ns) <= looked_at_ns {
+        if self.is_waiting_over() {
             self.take_waiting();
         }
         self.take_verdicts()?;
@@ -313,6 +312,12 @@ impl<N: Narrator> Recording<N> {
             self.say_losses(&losses);
         }
         Ok(())
+    }
+
+    /// Whether `perceive` has looked at the frame that waits.
+    fn is_waiting_over(&self) -> bool {
+        let newest = self.waiting.as_ref().zip(self.recent.back());
+        newest.is_some_and(|(frame, seen)| frame.header().stamp.captured_ns <= seen.stamp.captured_ns)
     }
 
     /// Keeps the picture of the frame that waits.

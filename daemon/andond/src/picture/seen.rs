@@ -31,7 +31,7 @@ pub(super) const BONES: [(usize, usize); 21] = [
 ];
 
 /// Landmarks 8, 12 and 16: the interaction points of a hand.
-pub(super) const TIPS: [usize; 3] = [8, 12, 16];
+const TIPS: [usize; 3] = [8, 12, 16];
 
 /// Draws all that was seen in a picture. The tips of fingers have this radius, in pixels.
 ///
