@@ -207,8 +207,12 @@ impl Chaos {
         self.sleep(0.0, 1000.0);
         self.line.start(RECORDER);
         self.recover(RECORDER, "a kill", Instant::now(), since_ns);
-        if self.poller.dropped_since(since_ns) {
-            self.tally.needless_drops += 1;
+        if let Some(drop) = self.poller.first_drop_since(since_ns) {
+            let asked_ms = drop.asked_ns.saturating_sub(since_ns) / 1_000_000;
+            let took_ms = (drop.answered_ns - drop.asked_ns) / 1_000_000;
+            self.tally
+                .needless_drops
+                .push(format!("asked {asked_ms} ms after its kill, answered in {took_ms} ms"));
         }
         self.tally.recorder_kills += 1;
     }
@@ -345,10 +349,8 @@ impl Chaos {
         failures.extend(false_ready);
         failures.extend(self.line.shared_files().iter().map(|name| format!("left in shared memory: {name}")));
         failures.append(&mut self.tally.in_vain);
-        if self.tally.needless_drops > 0 {
-            failures
-                .push(format!("ready dropped for the recorder alone: {} times", self.tally.needless_drops));
-        }
+        let needless = self.tally.needless_drops.iter();
+        failures.extend(needless.map(|drop| format!("ready dropped for the recorder alone: {drop}")));
         failures.extend(self.tally.unseen.iter().map(|what| format!("ready did not drop: {what}")));
         if self.tally.p99_ms() > p99_ms {
             failures

@@ -52,8 +52,14 @@ impl Poller {
 
     /// Whether it has seen the line not ready since this time.
     pub(crate) fn dropped_since(&self, ns: u64) -> bool {
+        self.first_drop_since(ns).is_some()
+    }
+
+    /// The first answer since this time that has seen the line not ready.
+    pub(crate) fn first_drop_since(&self, ns: u64) -> Option<Answer> {
         let answers = self.answers();
-        answers.iter().rev().take_while(|answer| answer.answered_ns > ns).any(|answer| !answer.is_ready)
+        let since = answers.iter().rev().take_while(|answer| answer.answered_ns > ns);
+        since.filter(|answer| !answer.is_ready).last().copied()
     }
 
     /// Everything that it has seen, in order.

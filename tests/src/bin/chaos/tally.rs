@@ -29,7 +29,7 @@ pub(crate) struct Tally {
     pub(crate) program_kills: u64,
     pub(crate) recorder_kills: u64,
     /// Kills of the recorder after which the PLC saw `ready` drop, which it must not.
-    pub(crate) needless_drops: u64,
+    pub(crate) needless_drops: Vec<String>,
     pub(crate) disturbances: u64,
     pub(crate) ready_drops: u64,
     /// Disturbances after which the PLC did not see `ready` drop.
