@@ -18,10 +18,11 @@ use iceoryx2::node::{DeadNodeView, Node as IceNode, NodeState, NodeView};
 use iceoryx2::prelude::*;
 use std::fs;
 use std::io;
+use std::iter;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path as StdPath, PathBuf};
-use std::thread;
-use std::time::Duration;
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
 
 /// The removal of a dead node takes a few milliseconds.
 const LOOK_AGAIN: Duration = Duration::from_millis(1);
@@ -35,8 +36,34 @@ pub struct Death {
     pub removed: bool,
 }
 
-/// Removes every dead node with everything that it had.
-pub(crate) fn reap(node: &IceNode<Transport>) -> Vec<Death> {
+/// Removes what the dead have left behind, one after the other. Where processors are scarce, that takes longer than a role may be silent:
+/// a removal that is not finished goes on while its steward does something else.
+#[derive(Debug, Default)]
+pub(crate) struct Reaper {
+    underway: Option<Removal>,
+}
+
+impl Reaper {
+    /// Who has died, and whether what they had is removed. Waits at most so long for a removal: what is not finished then is told later.
+    pub(crate) fn reap(&mut self, node: &IceNode<Transport>, patience: Duration) -> Vec<Death> {
+        let began = Instant::now();
+        let mut deaths = Vec::new();
+        // The dead are listed once nothing is underway: a node of which half is removed would be listed without its name.
+        let others = iter::once_with(|| dead(node)).flatten();
+        let others = others.map(|view| Removal::start(node.config(), view));
+        for mut removal in self.underway.take().into_iter().chain(others) {
+            if let Some(death) = removal.wait(began, patience) {
+                deaths.push(death);
+            } else {
+                self.underway = Some(removal);
+                break;
+            }
+        }
+        deaths
+    }
+}
+
+fn dead(node: &IceNode<Transport>) -> Vec<DeadNodeView<Transport>> {
     let mut dead = Vec::new();
     // A list that cannot be read now is read again 100 ms later.
     let _ = IceNode::<Transport>::list(node.config(), |state| {
@@ -45,18 +72,58 @@ pub(crate) fn reap(node: &IceNode<Transport>) -> Vec<Death> {
         }
         CallbackProgression::Continue
     });
-    dead.into_iter()
-        .map(|view| {
-            remove_incomplete_tags(node.config(), view.id());
-            let member = view.details().as_ref().map(member);
-            let removed = if member.is_some() {
-                remove(node.config(), view)
+    dead
+}
+
+/// Removes a dead node with everything that it had, on a thread: meanwhile its owner removes the connections of its ports that have no size. The
+/// dead was making them, or a process that is killed only now. A live one loses nothing: the other end is dead.
+#[derive(Debug)]
+struct Removal {
+    config: Config,
+    member: Option<Member>,
+    ports: Vec<String>,
+    /// Without a thread nothing is removed now.
+    thread: Option<JoinHandle<bool>>,
+}
+
+impl Removal {
+    fn start(config: &Config, view: DeadNodeView<Transport>) -> Self {
+        remove_incomplete_tags(config, view.id());
+        let member = view.details().as_ref().map(member);
+        let ports = ports(config, view.id());
+        let (has_name, its_config) = (member.is_some(), config.clone());
+        let remove = move || {
+            if has_name {
+                view.try_remove_stale_resources().is_ok()
             } else {
-                remove_nameless(node.config(), view.id()).is_ok()
-            };
-            Death { member, removed }
-        })
-        .collect()
+                remove_nameless(&its_config, view.id()).is_ok()
+            }
+        };
+        let thread = thread::Builder::new().spawn(remove).ok();
+        Self { config: config.clone(), member, ports, thread }
+    }
+
+    /// What became of it; `None` where it is not finished so long after `began`.
+    fn wait(&mut self, began: Instant, patience: Duration) -> Option<Death> {
+        while self.thread.as_ref().is_some_and(|thread| !thread.is_finished()) {
+            remove_unsized(&self.config, |name| {
+                name.split(['_', '.']).any(|end| self.ports.iter().any(|port| port == end))
+            });
+            if began.elapsed() >= patience {
+                return None;
+            }
+            thread::sleep(LOOK_AGAIN);
+        }
+        let removed = self.thread.take().is_some_and(|thread| thread.join().unwrap_or(false));
+        Some(Death { member: self.member.take(), removed })
+    }
+}
+
+/// A station that ends sweeps what is left, when nobody else removes anything.
+impl Drop for Removal {
+    fn drop(&mut self) {
+        let _ = self.wait(Instant::now(), Duration::MAX);
+    }
 }
 
 fn node_folder(config: &Config) -> PathBuf {
@@ -85,25 +152,6 @@ fn remove_nameless(config: &Config, node: &UniqueNodeId) -> io::Result<()> {
 /// tag is for, so nothing else is lost with an incomplete tag.
 fn remove_incomplete_tags(config: &Config, node: &UniqueNodeId) {
     remove_incomplete_files(&node_folder(config).join(node.value().to_string()));
-}
-
-/// Removes a dead node with everything that it had, on a thread: meanwhile this removes the connections of its ports that have no size. The
-/// dead was making them, or a process that is killed only now. A live one loses nothing: the other end is dead.
-fn remove(config: &Config, view: DeadNodeView<Transport>) -> bool {
-    let ports = ports(config, view.id());
-    thread::scope(|scope| {
-        let removal =
-            thread::Builder::new().spawn_scoped(scope, || view.try_remove_stale_resources().is_ok());
-        // Without a thread nothing is removed now.
-        let Ok(removal) = removal else { return false };
-        while !removal.is_finished() {
-            remove_unsized(config, |name| {
-                name.split(['_', '.']).any(|end| ports.iter().any(|port| port == end))
-            });
-            thread::sleep(LOOK_AGAIN);
-        }
-        removal.join().unwrap_or(false)
-    })
 }
 
 /// Removes what a steward was making when it was killed. Only the one steward may call this, before it makes anything. Nobody else makes services,

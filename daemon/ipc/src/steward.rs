@@ -2,7 +2,7 @@
 
 use crate::channel::{Channel, ChannelMessage, layout_text};
 use crate::error::Error;
-use crate::leftovers::{self, Death};
+use crate::leftovers::{self, Death, Reaper};
 use crate::service::{Frames, Messages, Provide, Refusal, Services, other_build};
 use crate::station::{Limits, MEMBERS_LOCK, Station, Transport};
 use iceoryx2::node::Node as IceNode;
@@ -19,6 +19,9 @@ use std::time::Duration;
 /// The period of [`Steward::poll`]: the longest time until a reader hears that its writer was killed.
 pub const POLL_PERIOD: Duration = Duration::from_millis(100);
 
+/// How long [`Steward::poll`] waits for a removal. Its caller must give signs of life meanwhile.
+const REMOVAL_PATIENCE: Duration = POLL_PERIOD;
+
 /// Once per second.
 const POLLS_PER_RESERVATION: u32 = 10;
 
@@ -32,7 +35,8 @@ const ATTEMPTS: u32 = 8;
 /// has, everything is removed.
 #[derive(Debug)]
 pub struct Steward {
-    // Fields are dropped in this order, as they must be: services, node, locks.
+    // Fields are dropped in this order, as they must be: removals, services, node, locks.
+    reaper: Reaper,
     _services: AllServices,
     node: IceNode<Transport>,
     station: Station,
@@ -90,7 +94,8 @@ impl Steward {
         let root_identity = station.root_identity().map_err(|e| not_writable(station, e))?;
         leftovers::remove_unsized_services(&station.config()?);
         let node = join(station, "steward")?;
-        leftovers::reap(&node);
+        let mut reaper = Reaper::default();
+        reaper.reap(&node, Duration::MAX);
         let services = AllServices {
             _frame: create::<_, FrameHeader>(&node, station, limits, Channel::Frame)?,
             _detections: create_messages(&node, station, limits)?,
@@ -106,6 +111,7 @@ impl Steward {
         };
         station.reserve()?;
         Ok(Self {
+            reaper,
             _services: services,
             node,
             station: station.clone(),
@@ -117,7 +123,7 @@ impl Steward {
     }
 
     /// Removes what dead members left behind, which wakes their readers, and reports who died. It takes about 0.1 ms when
-    /// nobody did, and should be called every [`POLL_PERIOD`].
+    /// nobody did, and should be called every [`POLL_PERIOD`]. A removal that takes longer than that is told by a later call.
     ///
     /// # Errors
     /// [`Error::RootVanished`] when the root is no longer the directory in which the station was created.
@@ -130,7 +136,7 @@ impl Steward {
             // Of connections that were made since: each port has reserved its own. Where there is no room now, there may be later.
             let _ = self.station.reserve();
         }
-        Ok(leftovers::reap(&self.node))
+        Ok(self.reaper.reap(&self.node, REMOVAL_PATIENCE))
     }
 }
 
