@@ -89,8 +89,8 @@ sight: setup test-packages line
 # be accused. SEED=n repeats a run; `make test` tries some 400.
 deletions: setup test-packages
 	cargo build $(REALSENSE) --all-targets
-	PROPTEST_RNG_SEED=$(SEED) PROPTEST_CASES=1000 cargo test $(REALSENSE) --test doubt_properties
-	PROPTEST_RNG_SEED=$(SEED) PROPTEST_CASES=50000 cargo test $(REALSENSE) --test judge_monotony
+	PROPTEST_RNG_SEED=$(SEED) PROPTEST_CASES=1000 cargo test $(REALSENSE) --test method doubt_properties::
+	PROPTEST_RNG_SEED=$(SEED) PROPTEST_CASES=50000 cargo test $(REALSENSE) --test method judge_monotony::
 	ANDON_SEED=$(SEED) ANDON_CASES=400 cargo test $(REALSENSE) --test learn_clips --test learn_vmci --test learn_doubt \
 		--test learn_two_hands nothing_is_accused
 

@@ -71,7 +71,7 @@
 extern crate std;
 
 #[cfg(test)]
-#[path = "../tests/common/cases.rs"]
+#[path = "../tests/method/common/cases.rs"]
 mod cases;
 
 pub mod anomaly;

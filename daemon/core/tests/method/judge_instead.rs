@@ -1,14 +1,11 @@
 //! A step that is done with another part: the part is wrong, not the order.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::script::{Part, Still, Toward, idle, object, part, short, stream, teach};
+use crate::common::work::{IN_ORDER, judged, measure};
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
 use andon_core::job::Job;
 use andon_core::verdict::{Level, Verdict};
-use common::script::{Part, Still, Toward, idle, object, part, short, stream, teach};
-use common::work::{IN_ORDER, judged, measure};
 
 const SHOWN: u16 = 5;
 const OTHER: u16 = 3;

@@ -1,15 +1,12 @@
 //! Whoever sees less of a bench and says that nothing is unseen has the context of who sees all of it.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
-mod common;
-
+use crate::common::bench::{Bench, encode_shapes, shapes};
+use crate::common::cases;
+use crate::common::seed::{drawn, wrong_cases};
 use andon_core::couple::{Context, Couples, Unseen};
 use andon_core::input::{Frame, Side};
 use andon_core::object::ObjectShape;
 use andon_rate::Rate;
-use common::bench::{Bench, encode_shapes, shapes};
-use common::cases;
-use common::seed::{drawn, wrong_cases};
 use proptest::prelude::*;
 
 /// How many frames a change takes to be believed.

@@ -1,8 +1,8 @@
 //! A verdict names the measure that is out of its bounds, what it measured and what was shown, as early as that can be known.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
-mod common;
-
+use crate::common::bench::PERIOD_NS;
+use crate::common::script::{Part, Still, Toward, idle, objects_of, part, short, stream, teach};
+use crate::common::work::{IN_ORDER, forgiving, judged, measure, polish, polish_and_measure};
 use andon_core::bounds::{Bounds, Range};
 use andon_core::config::Method;
 use andon_core::couple::Waiting;
@@ -11,9 +11,6 @@ use andon_core::job::{Job, MeasureBounds, NominalActivity, NominalIu};
 use andon_core::segment::Segmenter;
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Measure, Measured, Outcome, Verdict};
-use common::bench::PERIOD_NS;
-use common::script::{Part, Still, Toward, idle, objects_of, part, short, stream, teach};
-use common::work::{IN_ORDER, forgiving, judged, measure, polish, polish_and_measure};
 use std::f32::consts::PI;
 
 /// The job with other bounds for the strokes of the polisher and the brick at the meter.
@@ -204,7 +201,7 @@ fn moving() -> Job<'static> {
 
 #[test]
 fn a_hand_that_lets_go_of_what_it_has_not_moved_has_not_begun() {
-    let touch = |part: u16, motions| [common::script::part([1, part, 0, 0], 20, motions), idle(10)];
+    let touch = |part: u16, motions| [crate::common::script::part([1, part, 0, 0], 20, motions), idle(10)];
     let said = |parts: &[&[Part]]| {
         let verdicts = judged(&moving(), &stream(&parts.concat(), &[]));
         short(verdicts.iter().find(|verdict| verdict.level == Level::Job).unwrap())
@@ -221,7 +218,7 @@ fn a_hand_that_lets_go_of_what_it_has_not_moved_has_not_begun() {
 #[test]
 fn a_touch_that_begins_no_step_accuses_no_job_although_the_bench_shows_that_nothing_was_done() {
     for part in [5, 6] {
-        let touch = [common::script::part([1, part, 0, 0], 20, Still), idle(300)];
+        let touch = [crate::common::script::part([1, part, 0, 0], 20, Still), idle(300)];
         let mut couples = stream(&touch, &[]);
         couples.iter_mut().for_each(|couples| couples.at_start = objects_of(ActivitySet::first(2)));
         let verdicts = judged(&moving(), &couples);
@@ -233,7 +230,7 @@ fn a_touch_that_begins_no_step_accuses_no_job_although_the_bench_shows_that_noth
 #[test]
 fn a_touch_of_which_a_frame_is_missing_accuses_nobody() {
     let touch = |part: u16, hidden: usize| {
-        let still = |frames| common::script::part([1, part, 0, 0], frames, Still);
+        let still = |frames| crate::common::script::part([1, part, 0, 0], frames, Still);
         [still(8), Part { seen: false, ..still(hidden) }, still(12 - hidden), idle(10)]
     };
     let (polish, measure) = (polish(6), measure());

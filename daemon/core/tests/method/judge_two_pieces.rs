@@ -1,13 +1,10 @@
 //! Two pieces are never one: what may have been done in the time that nobody watched, and how often a piece gets a verdict.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
-mod common;
-
+use crate::common::script::{Part, idle, short, stream};
+use crate::common::work::{IN_ORDER, away, judged, measure, polish, polish_and_measure};
 use andon_core::couple::{Couples, Unseen, Visibility};
 use andon_core::job::{Job, Law};
 use andon_core::verdict::Level;
-use common::script::{Part, idle, short, stream};
-use common::work::{IN_ORDER, away, judged, measure, polish, polish_and_measure};
 
 /// These parts, of which nothing is seen in some frames: what a hand did before them, it does not.
 fn unwatched(parts: &[Part], hidden: core::ops::Range<usize>) -> Vec<Couples> {

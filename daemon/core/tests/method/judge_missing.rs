@@ -1,14 +1,11 @@
 //! What is said where couples are missing, and where a part was never seen.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::script::{idle, objects_of, short, stream};
+use crate::common::work::{IN_ORDER, away, judged, measure, polish, polish_and_measure};
 use andon_core::couple::{Context, Couple, Couples, Unseen, Visibility};
 use andon_core::job::Job;
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome, Verdict};
-use common::script::{idle, objects_of, short, stream};
-use common::work::{IN_ORDER, away, judged, measure, polish, polish_and_measure};
 
 #[test]
 fn couples_that_are_missing_accuse_nobody() {

@@ -2,17 +2,14 @@
 //!
 //! The errors are drawn; `PROPTEST_RNG_SEED` repeats a draw. What no draw has shown must never be. What some draws show is a rate, and it must not be
 //! with the seeds that have always been tried.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::bench::{Bench, contexts, encode, errors};
+use crate::common::seed::{drawn_seeds, known_and_drawn_seeds};
 use andon_core::config::Method;
 use andon_core::couple::{Couples, Unseen};
 use andon_core::input::{Frame, Side};
 use andon_core::segment::{Event, Segmenter};
 use andon_rate::Rate;
-use common::bench::{Bench, contexts, encode, errors};
-use common::seed::{drawn_seeds, known_and_drawn_seeds};
 
 const TOOL: u16 = 5;
 const BOX: u16 = 7;

@@ -1,10 +1,12 @@
 //! Less observation only widens what may have happened: however little is seen of right work, no verdict on it becomes an anomaly.
 //!
-//! The couples are those of an encoder that does not see a hand in some frames, see [`common::gaps`].
-#![allow(clippy::unwrap_used, clippy::panic)]
+//! The couples are those of an encoder that does not see a hand in some frames, see [`crate::common::gaps`].
 
-mod common;
-
+use crate::common::bench::PERIOD_NS;
+use crate::common::cases;
+use crate::common::gaps::{Gap, gaps, hidden};
+use crate::common::script::{Part, Still, Strokes, Toward, idle, part, short, stream, teach};
+use crate::common::seed::{drawn, wrong_cases};
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
 use andon_core::couple::{Couples, Unseen, Visibility};
@@ -12,11 +14,6 @@ use andon_core::job::{Job, Law};
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{Outcome, Verdict};
 use andon_rate::Rate;
-use common::bench::PERIOD_NS;
-use common::cases;
-use common::gaps::{Gap, gaps, hidden};
-use common::script::{Part, Still, Strokes, Toward, idle, part, short, stream, teach};
-use common::seed::{drawn, wrong_cases};
 use proptest::prelude::*;
 
 /// Four activities: strokes, a part that is brought and left, a part that is only moved, and one with the other hand.

@@ -1,14 +1,11 @@
 //! The encoder, from frames of a scripted worker.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
-mod common;
-
+use crate::common::bench::{Bench, contexts, encode, encode_shapes, shapes};
 use andon_core::bounds::Around;
 use andon_core::config::{Contact, Method};
 use andon_core::couple::{Context, Couples, Encoder, Refused, Unseen, Unusable, Waiting};
 use andon_core::input::{Frame, Object, Side};
 use andon_core::object::ContactRegion;
-use common::bench::{Bench, contexts, encode, encode_shapes, shapes};
 
 const TOOL: u16 = 5;
 const BOX: u16 = 7;
@@ -575,7 +572,7 @@ fn an_object_that_has_not_been_moved_lies_where_the_job_begins() {
     // What is only carried past the place does not lie there.
     let mut past = Bench::new(&[(TOOL, [-0.3, 0.0])]);
     past.hand(Side::Right, [-0.3, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.3, 0.0], 30).rest(20);
-    assert_eq!(at_start_in(&past.frames), []);
+    assert!(at_start_in(&past.frames).is_empty());
     hide(&mut past.frames[36..60]);
-    assert_eq!(at_start_in(&past.frames), []);
+    assert!(at_start_in(&past.frames).is_empty());
 }

@@ -1,13 +1,10 @@
 //! What is said of work that a hand did which was not seen.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
-mod common;
-
+use crate::common::script::{Part, idle, objects_of, short, stream, teach};
+use crate::common::work::{away, bring, jobs, judged, measure, polish, polish_and_measure};
 use andon_core::couple::Unseen;
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome};
-use common::script::{Part, idle, objects_of, short, stream, teach};
-use common::work::{away, bring, jobs, judged, measure, polish, polish_and_measure};
 
 /// The verdicts on pieces of which a part is brought to the table and back. Of the second piece only the way back is seen. While the hand is not
 /// seen before that, the part may move.

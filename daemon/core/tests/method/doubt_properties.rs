@@ -1,10 +1,10 @@
 //! Whatever observations are deleted from a correct job, none of its verdicts becomes an anomaly. Only its last second is always seen: the end of the
 //! recording is the end of the job. And each object is seen in the first frame. One that has never been seen is not expected anywhere, because a
 //! station may have objects that lie on its bench for other jobs only.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
-mod common;
-
+use crate::common::bench::{Bench, encode, shapes};
+use crate::common::seed::with_known_and_drawn_seed;
+use crate::common::work::IN_ORDER;
 use andon_core::anomaly::Judge;
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::config::Method;
@@ -13,9 +13,6 @@ use andon_core::input::{Frame, Side};
 use andon_core::job::{Job, LocalCost, MeasureBounds, NominalActivity, NominalIu};
 use andon_core::segment::{Event, JobSegmenter, Measures};
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
-use common::bench::{Bench, encode, shapes};
-use common::seed::with_known_and_drawn_seed;
-use common::work::IN_ORDER;
 use proptest::prelude::*;
 use std::sync::LazyLock;
 

@@ -1,15 +1,12 @@
 //! Encoder and segmenter on anything that may happen on a bench.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
-mod common;
-
+use crate::common::bench::{Bench, PERIOD_NS, encode, shapes};
+use crate::common::script::{Motions, Part, Still, Strokes, Toward, idle, part, stream};
 use andon_core::config::{Contact, Method};
 use andon_core::couple::{Context, Couples, Encoder, Refused, Unseen};
 use andon_core::input::{Frame, Hand, Object, Point, Side};
 use andon_core::object::ObjectShape;
 use andon_core::segment::{Event, JobSegmenter};
-use common::bench::{Bench, PERIOD_NS, encode, shapes};
-use common::script::{Motions, Part, Still, Strokes, Toward, idle, part, stream};
 use proptest::prelude::*;
 
 const TOOL: u16 = 5;

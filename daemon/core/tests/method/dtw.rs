@@ -1,15 +1,12 @@
 //! DTW against a full matrix in `f64`, and every way to compute it against the others.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::cases::many_cases;
 use andon_core::capacity::IU_FRAMES;
 use andon_core::couple::Motion;
 use andon_core::dtw::{
     LocalCosts, OnlineDtw, Refused, Scratch, distance, distance_within, path, path_memory,
 };
 use andon_core::job::LocalCost;
-use common::cases::many_cases;
 use proptest::collection::vec;
 use proptest::prelude::*;
 

@@ -1,5 +1,4 @@
 //! DTW against `dtaidistance` 2.5.1; `tests/golden/dtw/make.py` makes the vectors.
-#![allow(clippy::unwrap_used)]
 
 use andon_core::couple::Motion;
 use andon_core::dtw::{LocalCosts, OnlineDtw, Scratch, distance, path, path_memory};

@@ -1,16 +1,13 @@
 //! The judge, which takes frame after frame, against Algorithm 1 on whole IUs; and properties of the verdicts on any work.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
-mod common;
-
+use crate::common::script::{Motions, Part, Still, Strokes, Toward, idle, ius, part, stream, teach};
+use crate::common::work::{between_rests, with_free_ends};
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
 use andon_core::couple::{Context, Couples, Motion, Unseen, Visibility};
 use andon_core::input::Side;
 use andon_core::job::{Job, Law, NominalActivity, NominalIu};
 use andon_core::verdict::{Level, Note, Outcome, Reason, Verdict};
-use common::script::{Motions, Part, Still, Strokes, Toward, idle, ius, part, stream, teach};
-use common::work::{between_rests, with_free_ends};
 use proptest::prelude::*;
 
 /// Three activities; two of them begin alike.

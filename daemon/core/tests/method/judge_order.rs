@@ -1,13 +1,10 @@
 //! The order of a job is a partial one. What breaks a law is an anomaly that names it, and what was only not shown before is a note.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::script::{Part, Still, Toward, idle, part, short, stream, teach};
+use crate::common::work::{bring, judged, measure, polish};
 use andon_core::job::{Job, Law, NominalActivity};
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{BrokenOrder, Level, Note, OrderFault, Outcome, Verdict};
-use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
-use common::work::{bring, judged, measure, polish};
 
 /// The left hand lifts the lid off.
 fn lift() -> [Part; 3] {

@@ -1,11 +1,8 @@
 //! What the encoder says is in doubt: contacts that began or ended unseen, from frames of a scripted worker.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
-mod common;
-
+use crate::common::bench::{Bench, encode, encode_shapes, shapes};
 use andon_core::couple::{Couple, Unseen, Visibility};
 use andon_core::input::{Frame, Side};
-use common::bench::{Bench, encode, encode_shapes, shapes};
 
 const TOOL: u16 = 5;
 const BOX: u16 = 7;
@@ -360,7 +357,7 @@ fn a_bench_is_hidden_where_a_part_vanishes_without_a_hand_but_not_because_one_li
         let couples = encode(&bench.ids(), frames);
         (0..couples.len()).filter(|frame| couples[*frame].lacks(Unseen::BENCH)).collect()
     };
-    assert_eq!(hidden(&bench.frames), []);
+    assert!(hidden(&bench.frames).is_empty());
     let mut frames = bench.frames.clone();
     hide_all(&mut frames[65..70]);
     assert_eq!(hidden(&frames), (65..70).collect::<Vec<_>>());

@@ -1,16 +1,13 @@
 //! What a judge says that did not see what came before. It speaks of what the bench shows, of what may be the remainder of something, and of the job
 //! after it.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
-mod common;
-
+use crate::common::script::{Part, Still, Toward, idle, objects_of, part, short, stream, teach};
+use crate::common::work::{IN_ORDER, away, bring, measure, polish, polish_and_measure};
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
 use andon_core::couple::{Couples, Unseen, Visibility};
 use andon_core::job::{Job, Law};
 use andon_core::set::ActivitySet;
-use common::script::{Part, Still, Toward, idle, objects_of, part, short, stream, teach};
-use common::work::{IN_ORDER, away, bring, measure, polish, polish_and_measure};
 
 /// The verdicts of a judge that did not see what came before, on a bench that shows these activities not to have been done.
 fn judged_cold(job: &Job<'_>, parts: &[Part], undone: impl Fn(usize) -> ActivitySet) -> Vec<String> {

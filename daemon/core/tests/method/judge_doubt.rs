@@ -1,16 +1,15 @@
 //! Where a job begins and ends, and what is said of what was not seen.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
-mod common;
-
+use crate::common::bench::PERIOD_NS;
+use crate::common::script::{Part, Still, Toward, idle, part, short, stream, teach};
+use crate::common::work::{
+    IN_ORDER, away, expect, forgiving, jobs, judged, measure, polish, polish_and_measure,
+};
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
 use andon_core::couple::{Couple, Couples, Unseen, Visibility};
 use andon_core::job::Job;
 use andon_core::verdict::{Level, Outcome, Reason};
-use common::bench::PERIOD_NS;
-use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
-use common::work::{IN_ORDER, away, expect, forgiving, jobs, judged, measure, polish, polish_and_measure};
 use core::ops::Range;
 
 #[test]

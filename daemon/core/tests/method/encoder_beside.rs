@@ -1,13 +1,10 @@
 //! The encoder where parts lie beside each other.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::bench::{Bench, contexts, encode, errors};
+use crate::common::seed::known_and_drawn_seeds;
 use andon_core::config::{Contact, Method};
 use andon_core::couple::Unseen;
 use andon_core::input::Side;
-use common::bench::{Bench, contexts, encode, errors};
-use common::seed::known_and_drawn_seeds;
 
 const TOOL: u16 = 5;
 const BOX: u16 = 7;

@@ -1,11 +1,8 @@
 //! Who is seen, and when: frames in which nobody watched, and hands that are called by the name of the other one.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::bench::{Bench, encode};
 use andon_core::couple::{Couple, Unseen, Visibility};
 use andon_core::input::{Frame, Side};
-use common::bench::{Bench, encode};
 
 const TOOL: u16 = 5;
 const BOX: u16 = 7;
@@ -80,7 +77,7 @@ fn another_hand_at_another_place_is_the_other_hand_and_a_name_that_lasts_is_beli
     let mut frames = bench.frames[..40].to_vec();
     let renamed = bench.frames[39].clone();
     frames.extend((40..100).map(|index| {
-        let mut frame = Frame { captured_ns: index * common::bench::PERIOD_NS, ..renamed.clone() };
+        let mut frame = Frame { captured_ns: index * crate::common::bench::PERIOD_NS, ..renamed.clone() };
         frame.hands.iter_mut().for_each(|hand| hand.side = Side::Left);
         frame
     }));

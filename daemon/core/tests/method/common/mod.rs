@@ -1,5 +1,4 @@
 //! A worker at a bench, scripted: as frames for the encoder, and as couples for what comes after it.
-#![allow(dead_code, clippy::unwrap_used, clippy::panic)]
 
 pub(crate) mod bench;
 pub(crate) mod cases;

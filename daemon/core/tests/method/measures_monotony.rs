@@ -3,10 +3,13 @@
 //! A hand moves a tool at a part as it likes, in straight strokes of any direction. The job allows what it measures and little more. Then some frames
 //! go missing. Hidden motion is assumed to be at most twice as fast as seen motion, and not to reverse in less than four frames. The motions keep to
 //! that.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
-mod common;
-
+use crate::common::bench::PERIOD_NS;
+use crate::common::cases;
+use crate::common::gaps::{Gap, gaps, hidden};
+use crate::common::script::{Part, Still, idle, part, short, stream, teach};
+use crate::common::seed::{drawn, wrong_cases};
+use crate::common::work::judged;
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::config::Method;
 use andon_core::couple::{Couple, Couples};
@@ -15,12 +18,6 @@ use andon_core::job::{Job, MeasureBounds, NominalActivity, NominalIu};
 use andon_core::segment::{Event, Iu, Measures, Segmenter};
 use andon_core::verdict::Outcome;
 use andon_rate::Rate;
-use common::bench::PERIOD_NS;
-use common::cases;
-use common::gaps::{Gap, gaps, hidden};
-use common::script::{Part, Still, idle, part, short, stream, teach};
-use common::seed::{drawn, wrong_cases};
-use common::work::judged;
 use proptest::prelude::*;
 use std::f32::consts::TAU;
 

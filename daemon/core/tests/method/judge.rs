@@ -1,19 +1,16 @@
 //! The verdicts on what a scripted worker does.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
-mod common;
-
+use crate::common::bench::PERIOD_NS;
+use crate::common::script::{Part, Still, Strokes, Toward, idle, part, short, stream, teach};
+use crate::common::work::{
+    IN_ORDER, POLISH_OK, expect, forgiving, judged, measure, polish, polish_and_measure, with_free_ends,
+};
 use andon_core::anomaly::{Judge, Unusable};
 use andon_core::bounds::Bounds;
 use andon_core::config::Method;
 use andon_core::job::{Job, Law, NominalActivity, NominalIu};
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
-use common::bench::PERIOD_NS;
-use common::script::{Part, Still, Strokes, Toward, idle, part, short, stream, teach};
-use common::work::{
-    IN_ORDER, POLISH_OK, expect, forgiving, judged, measure, polish, polish_and_measure, with_free_ends,
-};
 
 #[test]
 fn a_job_done_as_taught_is_right_as_soon_as_it_is_complete() {

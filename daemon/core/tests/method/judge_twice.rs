@@ -1,16 +1,13 @@
 //! A marker that is in view twice is the reason of what is not judged because of it.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::bench::{Bench, encode_shapes, shapes};
+use crate::common::script::{object, stream};
+use crate::common::work::{measure, polish, polish_and_measure};
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
 use andon_core::couple::{Unseen, Visibility};
 use andon_core::input::Frame;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
-use common::bench::{Bench, encode_shapes, shapes};
-use common::script::{object, stream};
-use common::work::{measure, polish, polish_and_measure};
 
 const POLISHER: u16 = 5;
 const SPARE: u16 = 4;
@@ -94,7 +91,7 @@ fn a_frame_says_up_to_the_couples_which_markers_it_shows_twice() {
         assert!(objects.all(|objects: Vec<u16>| objects == first));
         first
     };
-    assert_eq!(twice_in(&[]), []);
+    assert!(twice_in(&[]).is_empty());
     assert_eq!(twice_in(&[POLISHER]), [POLISHER]);
     assert_eq!(twice_in(&[POLISHER, METER]), [METER, POLISHER]);
 }
