@@ -21,8 +21,8 @@ use crate::wire::command::Command;
 pub struct Step<'a> {
     /// The file that it is in.
     pub recording: &'a Path,
-    /// The job in force.
-    pub job: &'a JobFile,
+    /// The job in force, and its hash.
+    pub job: (&'a JobFile, u64),
     /// The newest couples.
     pub couples: Option<&'a Couples>,
     /// The verdicts that came with it.
@@ -167,6 +167,7 @@ impl<'p> Line<'p> {
         show: &mut impl FnMut(Step<'_>) -> Result<(), E>,
     ) -> Result<Option<Session>, E> {
         let mut verdicts = Vec::new();
+        let job = (file, file.model_hash());
         let mut next = None;
         while next.is_none()
             && let Some(input) = self.next_input()?
@@ -181,20 +182,20 @@ impl<'p> Line<'p> {
                 }
                 Input::End => watch.finish(take),
                 Input::Frame => {
-                    self.show(file, &mut verdicts, show)?;
+                    self.show(job, &mut verdicts, show)?;
                     Ok(())
                 }
                 Input::Deed(deed) => obey(deed, &mut session, &mut watch, take).map(|other| next = other),
             };
             done.map_err(|error| self.method(&error))?;
         }
-        self.show(file, &mut verdicts, show)?;
+        self.show(job, &mut verdicts, show)?;
         Ok(next)
     }
 
     fn show<E>(
         &self,
-        job: &JobFile,
+        job: (&JobFile, u64),
         verdicts: &mut Vec<Verdict>,
         show: &mut impl FnMut(Step<'_>) -> Result<(), E>,
     ) -> Result<(), E> {

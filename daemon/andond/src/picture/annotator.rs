@@ -1,6 +1,6 @@
 //! Draws what was seen and judged on a film: landmarks, markers and names, contacts, the running IU, the verdict.
 //!
-//! What was seen has full lines. What was not seen has dashes and the word "assumed", where it is assumed to lie where it was or to move with the hand
+//! What was seen has full lines. What was not seen has dashes and the word "assumed". It is assumed to lie where it was, or to move with the hand
 //! that holds it by the newest couples.
 //! What has been out of sight for longer than `method.blind_ms` is not drawn, and the panel says so.
 

@@ -68,9 +68,9 @@ fn count(recorded: Recorded<'_>, tick: &dyn Fn()) -> Result<ByFile, ToolError> {
     let mut names = (0, Names::default());
     judge(recorded, &mut |step: Step<'_>| -> Result<(), ToolError> {
         tick();
-        let hash = step.job.model_hash();
+        let (job, hash) = step.job;
         if names.0 != hash {
-            names = (hash, Names::of_job(step.job));
+            names = (hash, Names::of_job(job));
         }
         if !step.verdicts.is_empty() {
             let of_file = counts.entry(step.recording.into()).or_default();

@@ -88,7 +88,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let number = activity.next_iu(job, activity.as_shown(context), is_certain, before);
         // With what goes on although all may have come, the next piece may have begun.
         if number > 0 && progress.may_be_matched() {
-            progress.set_may_be_of_next(activity.candidates());
+            progress.set_goes_on_in_next(self.side);
         }
         let may_be_remainder = number == 0 && self.doubt.may_be_remainder && !was_idle;
         // A step that was not shown may come between two parts of one activity, so the doubt outlasts it.

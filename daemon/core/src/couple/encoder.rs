@@ -98,7 +98,7 @@ impl core::error::Error for Refused {}
 /// Frames that are missing on the grid are filled with frames in which nothing was seen. Of a longer gap only `blind_ms` and one frame more are
 /// filled. One step therefore emits at most `blind_ms * rate_hz + persist_frames + 2` couples.
 ///
-/// A hand or an object is left out if it repeats one of its frame, has an unknown id, or has a coordinate that is not finite.
+/// A hand or an object is left out if it repeats one of its frame, if its id is unknown, or if a coordinate is not finite.
 #[derive(Clone, Debug)]
 pub struct Encoder {
     grid: Grid,

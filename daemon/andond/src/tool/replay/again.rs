@@ -38,13 +38,13 @@ pub(super) fn run(arguments: &Replay) -> Result<u8, ToolError> {
     let wants_pictures = arguments.annotate.is_some();
     let recorded = Recorded { paths: &paths, plan: &plan, instead: None, wants_pictures };
     let outcome = judge(recorded, &mut |step: Step<'_>| -> Result<(), ToolError> {
-        let hash = step.job.model_hash();
+        let (job, hash) = step.job;
         if names.0 != hash {
-            names = (hash, Names::of_job(step.job));
+            names = (hash, Names::of_job(job));
         }
         if !step.verdicts.is_empty() {
             bar.suspend(|| {
-                step.verdicts.iter().try_for_each(|verdict| printer.print(verdict, step.job, &names.1))
+                step.verdicts.iter().try_for_each(|verdict| printer.print(verdict, job, &names.1))
             })
             .map_err(ToolError::Print)?;
             judged.extend_from_slice(step.verdicts);

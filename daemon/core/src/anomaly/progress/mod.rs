@@ -465,9 +465,9 @@ impl<'a> Progress<'a> {
         self.state.may_have_ended[side.index()] = self.activities_of(nominal.iter());
     }
 
-    /// One of these nominal activities may be of the next job.
-    pub(super) fn set_may_be_of_next(&mut self, nominal: ActivitySet) {
-        self.state.may_be_of_next |= self.activities_of(nominal.iter());
+    /// What a hand goes on with, whatever that may be, may be of the next job.
+    pub(super) fn set_goes_on_in_next(&mut self, side: Side) {
+        self.state.may_be_of_next |= self.state.may_be_underway[side.index()];
     }
 
     /// What was tried, and what this hand has begun or may have begun.

@@ -1,5 +1,5 @@
-//! What is near and interacts. A hand near an object acts on it from the moment at which it rests at the object or the object moves with it, until it
-//! leaves. It is the in-hand relation of paper III-A.2. The *window* of a frame is this frame and the `persist_frames` after it, in which a change is
+//! What is near and interacts. A hand near an object acts on it once it rests at the object or the object moves with it, until it leaves.
+//! It is the in-hand relation of paper III-A.2. The *window* of a frame is this frame and the `persist_frames` after it, in which a change is
 //! believed. An object touches another that it comes near or is brought to rest at, unless it passes by.
 //!
 //! To be near is only the opportunity. A hand that flies over an object or brushes it is never at rest relative to it. What a hand
@@ -256,9 +256,9 @@ impl Scene {
         [i, j].iter().all(|object| self.objects[*object].poses.ago(age).source == Source::Seen)
     }
 
-    /// Whether the hand is at the object, and the object moves with it or the hand rests relative to it up to the end of the window; `None` where
-    /// that was not measured. If the hand is at several objects and rests relative to one, it also rests relative to each that rests relative to this
-    /// one. Which of them is measured to rest first is chance.
+    /// Whether the object moves with a hand at it, or the hand rests relative to it up to the end of the window; `None` where that was not measured.
+    /// If the hand is at several objects and rests relative to one, it also rests relative to each that rests relative to this one. Which of them
+    /// is measured to rest first is chance.
     pub(super) fn rests(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
         if !self.is_at(hand, object, age) {
             return Some(false);
@@ -293,7 +293,7 @@ impl Scene {
         Some(speed < self.method.rest_speed_m_s && (path_m <= self.rest_m() || seems_to_rest()))
     }
 
-    /// Whether the middle knuckle is known to rest relative to the object in the bench frame, and stays there up to the end of the window.
+    /// Whether the middle knuckle is known to rest relative to the object, in the bench frame and up to the end of the window.
     fn knuckle_rests(&self, hand: usize, object: usize, age: usize) -> bool {
         let apart = |age: usize| {
             let (hand, object) = (self.hands[hand].ago(age), self.objects[object].poses.ago(age));
