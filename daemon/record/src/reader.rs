@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use andon_ipc::Channel;
 use mcap::records::{ChunkHeader, Record, op};
@@ -124,7 +125,7 @@ pub struct RecordingReader<R> {
     /// The bytes that have come.
     received: usize,
     /// The chunk that is being unpacked, and how many bytes of it have been.
-    chunk: Vec<u8>,
+    chunk: Arc<Vec<u8>>,
     unpacked: usize,
 }
 
@@ -159,7 +160,7 @@ impl<R: Read> RecordingReader<R> {
             schemas: HashMap::new(),
             end: None,
             received: 0,
-            chunk: Vec::new(),
+            chunk: Arc::default(),
             unpacked: 0,
         };
         reading.read_header()?;
@@ -192,26 +193,40 @@ impl<R: Read> RecordingReader<R> {
     /// # Errors
     /// [`ReadError::OtherLayout`], and what the system says.
     pub fn next_item(&mut self) -> Result<Option<Item>, ReadError> {
-        while let Some(record) = self.next_record()? {
-            match record {
-                Record::Schema { header, data } => drop(self.schemas.insert(header.id, data.into_owned())),
-                Record::Channel(channel) => self.take_channel(&channel)?,
-                Record::Message { header, data } => {
-                    let Some(topic) = self.topics.get(&header.channel_id) else { continue };
-                    let (time_ns, sent_ns) = (header.log_time, header.publish_time);
-                    return Ok(Some(Item::Entry(Entry {
-                        topic: *topic,
-                        time_ns,
-                        sent_ns,
-                        data: data.into_owned().into(),
-                    })));
-                }
-                Record::Attachment { header, data, .. } => {
-                    let (name, data) = (header.name, data.into_owned().into());
-                    return Ok(Some(Item::Attachment(Attachment { name, data })));
-                }
-                _ => (),
+        while self.end.is_none() {
+            // Of what is in a chunk, only what is given on is copied.
+            let chunk = Arc::clone(&self.chunk);
+            let record = match self.next_in_chunk(&chunk) {
+                Some(Ok(record)) => Some(record),
+                Some(Err(error)) => self.ends(&error),
+                None => self.next_record()?,
+            };
+            let item = record.map(|record| self.take(record)).transpose()?;
+            if let Some(item) = item.flatten() {
+                return Ok(Some(item));
             }
+        }
+        Ok(None)
+    }
+
+    fn take(&mut self, record: Record<'_>) -> Result<Option<Item>, ReadError> {
+        match record {
+            Record::Schema { header, data } => drop(self.schemas.insert(header.id, data.into_owned())),
+            Record::Channel(channel) => self.take_channel(&channel)?,
+            Record::Chunk { header, data } => {
+                if let Err(error) = self.begin_chunk(&header, data.into_owned()) {
+                    return Ok(self.ends(&error));
+                }
+            }
+            Record::Message { header, data } => {
+                let Some(topic) = self.topics.get(&header.channel_id) else { return Ok(None) };
+                let (time_ns, sent_ns) = (header.log_time, header.publish_time);
+                return Ok(Some(Item::Entry(Entry { topic: *topic, time_ns, sent_ns, data: data.into() })));
+            }
+            Record::Attachment { header, data, .. } => {
+                return Ok(Some(Item::Attachment(Attachment { name: header.name, data: data.into() })));
+            }
+            _ => (),
         }
         Ok(None)
     }
@@ -237,17 +252,9 @@ impl<R: Read> RecordingReader<R> {
         self.end.clone().unwrap_or(End::Complete)
     }
 
+    /// The next record that is in no chunk, or the next chunk; `None` at the end, which is noted.
     fn next_record(&mut self) -> Result<Option<Record<'static>>, ReadError> {
-        if self.end.is_some() {
-            return Ok(None);
-        }
-        loop {
-            match self.next_in_chunk() {
-                Some(Ok(record)) => return Ok(Some(record)),
-                Some(Err(error)) => return Ok(self.ends(&error)),
-                None => (),
-            }
-            let Some(event) = self.reader.next_event() else { break };
+        while let Some(event) = self.reader.next_event() {
             match event {
                 Ok(LinearReadEvent::ReadRequest(bytes)) => {
                     // A file that ends early asks for what is not there; the limit above bounds what is asked for.
@@ -259,12 +266,6 @@ impl<R: Read> RecordingReader<R> {
                     self.received += read;
                 }
                 Ok(LinearReadEvent::Record { data, opcode }) => match parsed(opcode, data) {
-                    Ok(Record::Chunk { header, data }) => {
-                        let data = data.into_owned();
-                        if let Err(error) = self.begin_chunk(&header, data) {
-                            return Ok(self.ends(&error));
-                        }
-                    }
                     Ok(record) => return Ok(Some(record.into_owned())),
                     Err(error) => return Ok(self.ends(&error)),
                 },
@@ -285,23 +286,23 @@ impl<R: Read> RecordingReader<R> {
         if ![0, calculated].contains(&saved) {
             return Err(McapError::BadChunkCrc { saved, calculated });
         }
-        (self.chunk, self.unpacked) = (data, 0);
+        (self.chunk, self.unpacked) = (data.into(), 0);
         Ok(())
     }
 
     /// The next record of the open chunk; `None` where it has no more. The library would believe a length in it that is longer than what is there.
-    fn next_in_chunk(&mut self) -> Option<Result<Record<'static>, McapError>> {
-        let (opcode, rest) = self.chunk.get(self.unpacked..)?.split_first()?;
+    fn next_in_chunk<'c>(&mut self, chunk: &'c [u8]) -> Option<Result<Record<'c>, McapError>> {
+        let (opcode, rest) = chunk.get(self.unpacked..)?.split_first()?;
         let body = rest.split_first_chunk().and_then(|(length, rest)| {
             let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
             rest.get(..length)
         });
         let Some(body) = body else { return Some(Err(McapError::UnexpectedEoc)) };
         self.unpacked += 1 + size_of::<u64>() + body.len();
-        Some(parsed(*opcode, body).map(Record::into_owned))
+        Some(parsed(*opcode, body))
     }
 
-    fn ends(&mut self, error: &McapError) -> Option<Record<'static>> {
+    fn ends<T>(&mut self, error: &McapError) -> Option<T> {
         let why = match error {
             McapError::BadMagic if self.schemas.is_empty() => NO_MAGIC.to_owned(),
             other => other.to_string(),
