@@ -316,6 +316,8 @@ mod tests {
             prop_assert!(step(narrow, less).is_within(step(wide, more)));
             let resume = |places: Places, hidden| places.resume(hidden, &nominal, context);
             prop_assert!(resume(narrow, less.hidden).is_within(resume(wide, more.hidden)));
+            prop_assert!(narrow.or(Places(others & all)).is_within(wide.or(Places(others & all))));
+            prop_assert!(narrow.before_end(&nominal).is_within(wide.before_end(&nominal)));
             prop_assert!(narrow.after_idle(&nominal).is_within(wide.after_idle(&nominal)));
             prop_assert!(Places::new(less.hidden, &nominal).is_within(Places::new(more.hidden, &nominal)));
             prop_assert!(!narrow.may_be_complete(&nominal, less.hidden) || wide.may_be_complete(&nominal, more.hidden));

@@ -262,25 +262,32 @@ fn what_a_hand_is_in_the_middle_of_has_begun_although_a_part_of_it_was_not_judge
     }
 }
 
-/// A hand that has touched its part first is first, although it is not said so before the part moves.
-#[test]
-fn what_begins_after_the_first_touch_has_not_begun_before_it() {
-    let mut taught = job(&[FREE, AFTER_POLISHING, Law { after_begin: ActivitySet::of(0), ..FREE }]);
+/// Lifting has this law, and the first IU of each activity is told only when its part has moved.
+fn job_of_parts_that_move(law: Law) -> Job<'static> {
     let moves = |nominal: &NominalActivity<'static>| {
         let mut ius = nominal.ius.to_vec();
         ius[0].measures.path_m.min = 0.1;
         NominalActivity { ius: ius.leak(), ..*nominal }
     };
-    taught.activities = taught.activities.iter().map(moves).collect::<Vec<_>>().leak();
-    let said = |wait: usize| {
+    let job = job(&[FREE, AFTER_POLISHING, law]);
+    Job { activities: job.activities.iter().map(moves).collect::<Vec<_>>().leak(), ..job }
+}
+
+/// A hand that has touched its part first is first, although it is not said so before the part moves. Where both begin at once it may have been
+/// either, and yet neither can have ended before the other began.
+#[test]
+fn what_begins_after_the_first_touch_has_not_begun_before_it() {
+    let said = |law, wait: usize| {
         let lifting = [&[part([2, 4, 0, 0], 20, Still)][..], &lift()].concat();
-        let verdicts = judged(&taught, &stream(&after(wait, &in_a_row()), &lifting));
+        let job = job_of_parts_that_move(law);
+        let verdicts = judged(&job, &stream(&after(wait, &in_a_row()), &lifting));
         (short(&job_of(&verdicts)), job_of(&verdicts).broken.map(|broken| broken.fault))
     };
-    assert_eq!(
-        said(12),
-        ("JobAnomaly WrongOrder".into(), Some(OrderFault::NotBegun)),
-        "before the part moves"
-    );
-    assert_eq!(said(3).1, None, "both at once");
+    let not_begun = || ("JobAnomaly WrongOrder".into(), Some(OrderFault::NotBegun));
+    assert_eq!(said(AFTER_POLISHING, 12), not_begun(), "before the part moves");
+    for both_at_once in 1..5 {
+        assert_eq!(said(AFTER_POLISHING, both_at_once).1, None, "{both_at_once}");
+        let after_its_end = Law { after_end: ActivitySet::of(0), ..FREE };
+        assert_eq!(said(after_its_end, both_at_once), not_begun(), "{both_at_once}");
+    }
 }

@@ -5,6 +5,7 @@
 
 use super::{Progress, of_both};
 use crate::input::Side;
+use crate::job::Law;
 use crate::set::ActivitySet;
 use crate::verdict::{BrokenOrder, Note, OrderFault, Reason};
 
@@ -27,7 +28,7 @@ impl Progress<'_> {
         if law.is_once && self.is_repeated(side, activity) {
             return Some(broken(OrderFault::Again, activity));
         }
-        let came = self.begun(side.other()).without(self.begun_after(side));
+        let came = self.begun(side.other()).without(self.begun_after(side, &law));
         let not_begun = (law.after() & self.state.required).without(came | self.possibly()).lowest();
         let underway = self.underway_before(side);
         let not_ended = (law.after_end & underway).lowest();
@@ -106,15 +107,21 @@ impl Progress<'_> {
         })
     }
 
-    /// What the other hand was seen to begin after this one had begun its activity, and later than it takes to believe a change.
-    fn begun_after(&self, side: Side) -> ActivitySet {
+    /// What the other hand was seen to begin after this one had begun its activity. What has to have begun may have done so as much earlier as it takes
+    /// to believe a change. What has to have ended has not, however little later it began.
+    fn begun_after(&self, side: Side, law: &Law) -> ActivitySet {
         let other = side.other().index();
-        let delay_ns = self.known_ns.saturating_sub(self.now_ns);
-        let is_after =
-            self.state.begins[other].seen_ns > self.state.begins[side.index()].ns.saturating_add(delay_ns);
-        let begun_after =
+        let [ns, other_ns] = [self.state.begins[side.index()].ns, self.state.begins[other].seen_ns];
+        let begun_later =
             self.state.underway[other].without(self.tried() | self.state.begins[side.index()].may_have_begun);
-        if is_after { begun_after } else { ActivitySet::EMPTY }
+        let delay_ns = self.known_ns.saturating_sub(self.now_ns);
+        if other_ns > ns.saturating_add(delay_ns) {
+            begun_later
+        } else if other_ns > ns {
+            begun_later & law.after_end
+        } else {
+            ActivitySet::EMPTY
+        }
     }
 
     /// What the other hand was in the middle of when this one began, and still is, if that is certain.
