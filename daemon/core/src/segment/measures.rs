@@ -39,6 +39,8 @@ pub struct Measures {
     pub hidden_reversals: u32,
     /// How often it may have reversed in addition because it was seen to come back, and how far was in a frame that is missing.
     pub cut_reversals: u32,
+    /// At how many reversals the frame just before or behind the farthest one that was seen is missing: both strokes may have been longer.
+    pub cut_strokes: u32,
     /// The share of the frames that were not seen, where what happened in them cannot be known; 0 to 1.
     pub hidden: f32,
     /// Whether it is known how exactly the positions were seen, as after an encoder has seen its objects lie still.
@@ -78,6 +80,9 @@ pub(super) struct Meter {
     /// How far the motion has come back from the farthest position so far, and whether a frame was missing since just before that.
     returned_m: f32,
     has_gap: bool,
+    /// Whether the frame just before or behind the farthest position is missing, and at how many reversals it was.
+    is_farthest_cut: bool,
+    cut_strokes: u32,
     reversals: u32,
     /// The sum of the lengths of whole strokes.
     strokes_m: f32,
@@ -143,6 +148,7 @@ impl Meter {
     /// The motion has reversed at the farthest position once it has come back from there.
     fn turn(&mut self, position: Point, is_behind_gap: bool) {
         self.has_gap |= is_behind_gap;
+        self.is_farthest_cut |= is_behind_gap && self.returned_m == 0.0;
         let length_m = distance(self.reversed, self.farthest);
         if distance(self.reversed, position) > length_m {
             // To and fro.
@@ -152,12 +158,13 @@ impl Meter {
             // What comes before the first reversal is the way to the first stroke.
             self.strokes_m += if self.reversals > 0 { length_m } else { 0.0 };
             self.reversals = self.reversals.saturating_add(1);
+            self.cut_strokes = self.cut_strokes.saturating_add(self.is_farthest_cut.into());
             (self.reversed, self.farthest) = (self.farthest, position);
         } else {
             self.returned_m = self.returned_m.max(distance(self.farthest, position));
             return;
         }
-        (self.returned_m, self.has_gap) = (0.0, is_behind_gap);
+        (self.returned_m, self.has_gap, self.is_farthest_cut) = (0.0, is_behind_gap, is_behind_gap);
     }
 
     /// Whether the motion may have come back too little to count only because the frame in which it was farthest is missing.
@@ -183,6 +190,7 @@ impl Meter {
             place_m: self.sum.map(|sum| (sum / known) as f32),
             hidden_reversals: ended.hidden_reversals,
             cut_reversals: ended.cut_reversals.saturating_add(ended.may_have_reversed().into()),
+            cut_strokes: self.cut_strokes,
             hidden: (ended.hidden / frames).min(1.0),
             is_error_known: self.is_error_known,
         }
@@ -290,5 +298,18 @@ mod tests {
             // What is right only with these is not right.
             assert_eq!((cut.reversals, cut.cut_reversals, cut.hidden_reversals), (0, 1, 0), "{way:?}");
         }
+    }
+
+    #[test]
+    fn strokes_may_be_longer_where_the_farthest_frame_is_missing_and_nowhere_else() {
+        // To and fro by 6 cm, farthest in the frames 6 and 12.
+        let far =
+            [0.0, 0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.05, 0.04, 0.03, 0.02, 0.01, 0.0, 0.01, 0.02, 0.03];
+        let cut = |missing: usize| {
+            let seen = far.iter().enumerate().map(|(frame, x)| (frame != missing).then_some([*x, 0.0, 0.0]));
+            measure(seen).cut_strokes
+        };
+        let all = [0, 0, 0, 0, 0, 1, 1, 1, 0, 0, 0, 1, 1, 1, 0, 0];
+        assert_eq!(core::array::from_fn(cut), all);
     }
 }
