@@ -25,6 +25,9 @@ pub const ACTIVITY_IUS: usize = 32;
 /// Nominal activities of one job. Sets of them are the bits of a `u32`.
 pub const ACTIVITIES: usize = 32;
 
+/// Events of one frame. At most three verdicts on what ends and two on what begins for each hand, and two beginnings and five verdicts for jobs.
+pub const EVENTS: usize = 17;
+
 /// Longest `persist_frames`: half a second at 30 Hz. A verdict that waits longer is not prompt.
 pub const PERSIST_FRAMES: usize = 15;
 

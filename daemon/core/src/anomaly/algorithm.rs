@@ -11,7 +11,7 @@ use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Couple, Motion, Unseen, Visibility, Waiting};
 use crate::segment::{Iu, Measures};
 use crate::set::ActivitySet;
-use crate::verdict::{Outcome, Reason, Verdict};
+use crate::verdict::{Outcome, Reason};
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn begin_activity(&mut self, context: Context, began_ns: u64, progress: &mut Progress<'a>) {
@@ -71,13 +71,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     }
 
     /// An IU begins with `couple`. Everything that its context alone decides is decided at once, or once it is certain.
-    pub(super) fn begin_iu(
-        &mut self,
-        couple: &Couple,
-        progress: &mut Progress<'a>,
-        emit: &mut impl FnMut(Verdict),
-    ) {
-        self.end_interrupted(progress, emit);
+    pub(super) fn begin_iu(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
+        self.end_interrupted(progress);
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, couple.context);
         self.comparisons.clear();
@@ -110,34 +105,29 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             is_certain,
             is_concluded: false,
         });
-        self.judge_context(couple, progress, emit);
+        self.judge_context(couple, progress);
     }
 
     /// The open IU began in doubt. Once it is certain that it has happened, its context is judged.
-    fn confirm_iu(&mut self, couple: &Couple, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
+    fn confirm_iu(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         let (Some(iu), Some(activity)) = (&mut self.iu, &mut self.activity) else { return };
         iu.is_certain = true;
         activity.confirm_iu(progress.job);
         if self.comparisons.is_empty() && iu.context.is_touch() && !iu.is_concluded {
-            self.judge_context(couple, progress, emit);
+            self.judge_context(couple, progress);
         }
     }
 
     /// Compares the open IU with the nominal IUs that it can be, or gives its verdict where there is none.
-    fn judge_context(
-        &mut self,
-        couple: &Couple,
-        progress: &mut Progress<'a>,
-        emit: &mut impl FnMut(Verdict),
-    ) {
+    fn judge_context(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         let Some(activity) = &self.activity else { return };
         match activity.against {
             _ if activity.step == Step::Untaught => {
-                self.conclude_not_shown(couple, progress, emit);
+                self.conclude_not_shown(couple, progress);
                 return;
             }
-            Against::Candidates => self.begin_with_candidates(couple, progress, emit),
-            Against::Following(nominal, _) => self.begin_following(nominal, couple, progress, emit),
+            Against::Candidates => self.begin_with_candidates(couple, progress),
+            Against::Following(nominal, _) => self.begin_following(nominal, couple, progress),
         }
         if let Some(activity) = &self.activity {
             let may_be = (!activity.is_out_of_sequence()).then(|| activity.candidates());
@@ -145,26 +135,16 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
-    fn conclude_not_shown(
-        &mut self,
-        couple: &Couple,
-        progress: &mut Progress<'a>,
-        emit: &mut impl FnMut(Verdict),
-    ) {
+    fn conclude_not_shown(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         if couple.is_in_sight() {
             let finding = Finding { outcome: Outcome::Anomaly, ..Finding::not_shown(true) };
-            self.conclude_iu(finding, progress, emit);
+            self.conclude_iu(finding, progress);
         } else {
-            self.conclude_unseen(progress, emit);
+            self.conclude_unseen(progress);
         }
     }
 
-    fn begin_with_candidates(
-        &mut self,
-        couple: &Couple,
-        progress: &mut Progress<'a>,
-        emit: &mut impl FnMut(Verdict),
-    ) {
+    fn begin_with_candidates(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, activity.as_shown(couple.context));
         let is_certain = self.iu.is_some_and(|iu| iu.is_certain);
@@ -174,12 +154,12 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if activity.agree(job, agreeing, has_parts, is_certain) {
             let nominal = activity.candidates().lowest();
             let right = Finding::of(Outcome::Ok, Reason::None.into());
-            self.conclude_iu(Finding { nominal, ..right }, progress, emit);
+            self.conclude_iu(Finding { nominal, ..right }, progress);
             return;
         }
         if agreeing.is_empty() {
             let reason = context_reason(job, activity.candidates_before(), context);
-            self.conclude_context(couple, reason, progress, emit);
+            self.conclude_context(couple, reason, progress);
             return;
         }
         let come = newest.clone().map(|(_, index)| index).min().unwrap_or(0);
@@ -194,13 +174,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
-    fn begin_following(
-        &mut self,
-        nominal: Option<usize>,
-        couple: &Couple,
-        progress: &mut Progress<'a>,
-        emit: &mut impl FnMut(Verdict),
-    ) {
+    fn begin_following(&mut self, nominal: Option<usize>, couple: &Couple, progress: &mut Progress<'a>) {
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, activity.as_shown(couple.context));
         let found = activity
@@ -215,19 +189,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             None => {
                 let among = nominal.map_or(ActivitySet::first(ACTIVITIES), ActivitySet::of);
                 let reason = context_reason(job, among, context);
-                self.conclude_context(couple, reason, progress, emit);
+                self.conclude_context(couple, reason, progress);
             }
         }
     }
 
     /// Gives the verdict on an IU whose context is wrong, as soon as it is certain that the IU has happened.
-    fn conclude_context(
-        &mut self,
-        couple: &Couple,
-        reason: Reason,
-        progress: &mut Progress<'a>,
-        emit: &mut impl FnMut(Verdict),
-    ) {
+    fn conclude_context(&mut self, couple: &Couple, reason: Reason, progress: &mut Progress<'a>) {
         let is_certain = self.iu.is_some_and(|iu| iu.is_certain);
         let Some(activity) = &mut self.activity else { return };
         // What else lies there has not been seen for long enough either.
@@ -237,25 +205,16 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         let nominal = activity.nearest;
         if couple.is_in_sight() && !may_be_right {
-            self.conclude_iu(
-                Finding { nominal, ..Finding::of(Outcome::Anomaly, reason.into()) },
-                progress,
-                emit,
-            );
+            self.conclude_iu(Finding { nominal, ..Finding::of(Outcome::Anomaly, reason.into()) }, progress);
         } else if is_certain || !couple.is_in_sight() {
-            self.conclude_unseen(progress, emit);
+            self.conclude_unseen(progress);
         }
     }
 
     /// Takes the next filtered motion of the open IU.
-    pub(super) fn push_motion(
-        &mut self,
-        motion: &Motion,
-        progress: &mut Progress<'a>,
-        emit: &mut impl FnMut(Verdict),
-    ) {
+    pub(super) fn push_motion(&mut self, motion: &Motion, progress: &mut Progress<'a>) {
         if self.iu.is_some_and(|iu| !iu.is_concluded) && self.comparisons.append(motion).is_err() {
-            self.conclude_unjudged(Reason::Overload.into(), progress, emit);
+            self.conclude_unjudged(Reason::Overload.into(), progress);
         }
     }
 
@@ -267,13 +226,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     }
 
     /// The open IU continues with `couple`. Decides what can be decided before its end.
-    pub(super) fn continue_iu(
-        &mut self,
-        couple: &Couple,
-        measures: Measures,
-        progress: &mut Progress<'a>,
-        emit: &mut impl FnMut(Verdict),
-    ) {
+    pub(super) fn continue_iu(&mut self, couple: &Couple, measures: Measures, progress: &mut Progress<'a>) {
         let is_forgotten = self.activity.is_none() && self.doubt.is_certain() && !self.doubt.may_be_remainder;
         if is_forgotten {
             self.occlusions.forget();
@@ -281,7 +234,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             self.occlusions.count(couple);
         }
         if !self.doubt.is_doubtful() && self.iu.is_some_and(|iu| !iu.is_certain) {
-            self.confirm_iu(couple, progress, emit);
+            self.confirm_iu(couple, progress);
         }
         let Some(iu) = self.iu.as_mut().filter(|iu| !iu.is_concluded) else { return };
         iu.observation.frames = iu.observation.frames.saturating_add(1);
@@ -304,12 +257,12 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(iu) = self.iu else { return };
         let candidates = self.activity.as_ref().map_or(ActivitySet::EMPTY, OpenActivity::candidates);
         if !couple.is_in_sight() {
-            self.conclude_unseen(progress, emit);
+            self.conclude_unseen(progress);
         } else if iu.context.is_release() && (iu.is_certain || !candidates.is_empty()) {
             // It has no motion of a hand and may last for any time, so its context decides.
-            self.conclude_right(None, true, progress, emit);
+            self.conclude_right(None, true, progress);
         } else if iu.is_certain && !self.doubt.is_doubtful() && self.is_certainly_wrong(iu.observation) {
-            self.decide_by_motion(iu.observation, progress, emit);
+            self.decide_by_motion(iu.observation, progress);
         }
     }
 
@@ -331,13 +284,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     }
 
     /// The IU has ended, and the hand goes on in the `next` context, if any comes.
-    pub(super) fn end_iu(
-        &mut self,
-        iu: &Iu,
-        next: Option<Context>,
-        progress: &mut Progress<'a>,
-        emit: &mut impl FnMut(Verdict),
-    ) {
+    pub(super) fn end_iu(&mut self, iu: &Iu, next: Option<Context>, progress: &mut Progress<'a>) {
         if let Some(activity) = &mut self.activity
             && iu.context.is_touch()
         {
@@ -365,14 +312,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             if observation.gap_after > 0 && !open.is_concluded {
                 self.comparisons.append_unknown();
             }
-            if self.gives_up(observation, next, progress, emit) || open.is_concluded {
+            if self.gives_up(observation, next, progress) || open.is_concluded {
                 // It was no IU, or has its verdict.
             } else if next == Some(Context::IDLE) && self.may_be_interrupted(progress) {
                 self.interrupted = Some(Interrupted { open, observation, iu: *iu });
                 self.iu = None;
                 return;
             } else {
-                self.decide_at_end(observation, next, progress, emit);
+                self.decide_at_end(observation, next, progress);
             }
         }
         self.close_iu(iu, progress);
@@ -384,17 +331,16 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         observation: IuObservation,
         next: Option<Context>,
         progress: &mut Progress<'a>,
-        emit: &mut impl FnMut(Verdict),
     ) {
         let activity = self.activity.as_ref();
         let goes_on = |next| activity.is_some_and(|activity| activity.goes_on_with(progress.job, next));
         let may_pass = self.may_pass(observation) && next.is_some_and(|next| !goes_on(next));
         if self.comparisons.end().is_err() {
-            self.conclude_unjudged(Reason::Overload.into(), progress, emit);
+            self.conclude_unjudged(Reason::Overload.into(), progress);
         } else if may_pass {
-            self.conclude_passing(progress, emit);
+            self.conclude_passing(progress);
         } else {
-            self.decide_by_motion(observation, progress, emit);
+            self.decide_by_motion(observation, progress);
         }
     }
 
@@ -408,30 +354,25 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// The runs show the two parts at rest beside each other. Here they only passed, and no candidate goes on with the next context: it is not known
     /// whether they touched.
-    fn conclude_passing(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
+    fn conclude_passing(&mut self, progress: &mut Progress<'a>) {
         if let Some(activity) = &mut self.activity {
             activity.doubt_newest_iu();
         }
-        self.conclude_unjudged(Reason::Passing.into(), progress, emit);
+        self.conclude_unjudged(Reason::Passing.into(), progress);
     }
 
     /// Gives the verdict on the IU by its motion and bounds.
-    fn decide_by_motion(
-        &mut self,
-        observation: IuObservation,
-        progress: &mut Progress<'a>,
-        emit: &mut impl FnMut(Verdict),
-    ) {
+    fn decide_by_motion(&mut self, observation: IuObservation, progress: &mut Progress<'a>) {
         let min_captured = progress.job.min_captured;
         if let Some(iu) = self.iu.filter(|iu| !iu.is_captured(min_captured)) {
             let cause = too_few_frames(iu.captured, iu.observation.frames, min_captured);
-            self.conclude_unjudged(cause, progress, emit);
+            self.conclude_unjudged(cause, progress);
             return;
         }
         let Some(nearest) = self.comparisons.nearest(observation) else {
             let is_certain = self.iu.is_some_and(|iu| iu.is_certain);
             let cause = if is_certain { Reason::Unknown.into() } else { self.unseen_cause(progress) };
-            self.conclude_unjudged(cause, progress, emit);
+            self.conclude_unjudged(cause, progress);
             return;
         };
         if let Some(iu) = &mut self.iu {
@@ -441,10 +382,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let is_place_certain = self.activity.as_ref().is_some_and(OpenActivity::is_place_certain);
         let is_right = nearest.reason == Reason::None;
         if is_right && !observation.is_known() || !is_right && (nearest.is_doubtful || !is_place_certain) {
-            self.conclude_unseen(progress, emit);
+            self.conclude_unseen(progress);
         } else if is_right {
             self.keep_right(observation);
-            self.conclude_right(Some(nearest), early, progress, emit);
+            self.conclude_right(Some(nearest), early, progress);
         } else {
             let nominal = Some(nearest.nominal);
             if let Some(activity) = &mut self.activity {
@@ -452,7 +393,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             }
             let wrong = Finding::of(Outcome::Anomaly, nearest.reason.into());
             let finding = Finding { nominal, result: Some(nearest), early, ..wrong };
-            self.conclude_iu(finding, progress, emit);
+            self.conclude_iu(finding, progress);
         }
     }
 

@@ -14,7 +14,7 @@ use crate::couple::Context;
 use crate::input::Side;
 use crate::job::Job;
 use crate::set::ActivitySet;
-use crate::verdict::{Outcome, Verdict};
+use crate::verdict::Outcome;
 
 /// The last IU of what a hand has done, which goes on where the hand puts that right.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +59,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         observation: IuObservation,
         next: Option<Context>,
         progress: &mut Progress<'a>,
-        emit: &mut impl FnMut(Verdict),
     ) -> bool {
         let Some((open, activity)) = self.iu.zip(self.activity.as_ref()) else { return false };
         let is_whole = observation.assumed == 0 && observation.hidden() == 0.0 && !observation.may_be_part;
@@ -73,12 +72,12 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             return false;
         }
         if !is_seen {
-            self.conclude_unseen(progress, emit);
+            self.conclude_unseen(progress);
             let cause = self.unseen_cause(progress);
             let nearest = self.activity.as_ref().and_then(|activity| activity.nearest);
             self.doubt.may_be_remainder = true;
             progress.set_doubtful();
-            self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress, emit);
+            self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress);
         }
         let Some(activity) = &mut self.activity else { return true };
         activity.give_up();

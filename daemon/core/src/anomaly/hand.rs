@@ -163,7 +163,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         result: Option<ComparisonResult>,
         early: bool,
         progress: &mut Progress<'a>,
-        emit: &mut impl FnMut(Verdict),
     ) {
         let Some(activity) = &mut self.activity else { return };
         let nearest = result.map(|result| result.nominal);
@@ -172,36 +171,24 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         self.conclude_iu(
             Finding { nominal, result, early, ..Finding::of(Outcome::Ok, Reason::None.into()) },
             progress,
-            emit,
         );
     }
 
     /// The IU cannot be judged. It remains with all candidates, as if its motion were right.
-    pub(super) fn conclude_unjudged(
-        &mut self,
-        cause: Cause,
-        progress: &mut Progress<'a>,
-        emit: &mut impl FnMut(Verdict),
-    ) {
+    pub(super) fn conclude_unjudged(&mut self, cause: Cause, progress: &mut Progress<'a>) {
         let Some(activity) = &mut self.activity else { return };
         activity.unjudged = activity.unjudged.or(Some(cause));
         let nominal = activity.candidates().lowest().or(activity.nearest);
-        self.conclude_iu(Finding { nominal, ..Finding::of(Outcome::NotJudged, cause) }, progress, emit);
+        self.conclude_iu(Finding { nominal, ..Finding::of(Outcome::NotJudged, cause) }, progress);
     }
 
     /// The IU cannot be judged, because too little of it is known.
-    pub(super) fn conclude_unseen(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
-        self.conclude_unjudged(self.unseen_cause(progress), progress, emit);
+    pub(super) fn conclude_unseen(&mut self, progress: &mut Progress<'a>) {
+        self.conclude_unjudged(self.unseen_cause(progress), progress);
     }
 
     /// The activity equals a nominal one, or would if all of it had been judged.
-    pub(super) fn conclude_matched(
-        &mut self,
-        nominal: usize,
-        early: bool,
-        progress: &mut Progress<'a>,
-        emit: &mut impl FnMut(Verdict),
-    ) {
+    pub(super) fn conclude_matched(&mut self, nominal: usize, early: bool, progress: &mut Progress<'a>) {
         let unseen = self.unseen_cause(progress);
         let Some(activity) = &mut self.activity else { return };
         if !activity.is_whole(nominal) {
@@ -231,24 +218,19 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             None if is_order_certain || is_too_early => (Outcome::Anomaly, Reason::WrongOrder.into(), false),
             None => (Outcome::NotJudged, unseen, early),
         };
-        self.conclude_activity(outcome, cause, Some(nominal), early, progress, emit);
+        self.conclude_activity(outcome, cause, Some(nominal), early, progress);
         if outcome != Outcome::NotJudged {
             progress.set_done(number, nominal);
         }
     }
 
     /// Gives the verdict on the IU, once, and if it is wrong the one on the activity.
-    pub(super) fn conclude_iu(
-        &mut self,
-        finding: Finding,
-        progress: &mut Progress<'a>,
-        emit: &mut impl FnMut(Verdict),
-    ) {
+    pub(super) fn conclude_iu(&mut self, finding: Finding, progress: &mut Progress<'a>) {
         let is_wrong = finding.outcome == Outcome::Anomaly;
         let cannot_accuse = self.cannot_accuse();
         let never_seen = self.activity.as_ref().and_then(|activity| activity.never_seen);
         if let Some(object) = never_seen.filter(|_| is_wrong && !cannot_accuse) {
-            self.conclude_unjudged(Cause::object_not_seen(object), progress, emit);
+            self.conclude_unjudged(Cause::object_not_seen(object), progress);
             return;
         }
         let (Some(iu), Some(activity)) = (&mut self.iu, &mut self.activity) else { return };
@@ -262,7 +244,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         };
         let measured = iu.measured.filter(|_| outcome != Outcome::Ok);
         activity.measured = measured.filter(|_| outcome == Outcome::Anomaly);
-        emit(Verdict {
+        progress.tell(Verdict {
             level: Level::Iu,
             outcome,
             reason,
@@ -284,7 +266,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             ..Verdict::default()
         });
         if is_wrong {
-            self.conclude_activity(Outcome::Anomaly, reason.into(), nominal, true, progress, emit);
+            self.conclude_activity(Outcome::Anomaly, reason.into(), nominal, true, progress);
         }
     }
 
@@ -316,7 +298,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         nominal: Option<usize>,
         early: bool,
         progress: &mut Progress<'a>,
-        emit: &mut impl FnMut(Verdict),
     ) {
         if self.activity.as_ref().is_none_or(|activity| activity.is_concluded) {
             return;
@@ -351,7 +332,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 progress.set_unjudged(nominal, Cause { reason, missing });
             }
         }
-        emit(Verdict {
+        progress.tell(Verdict {
             level: Level::Activity,
             outcome,
             reason,

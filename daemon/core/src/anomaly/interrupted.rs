@@ -10,7 +10,6 @@ use super::observation::IuObservation;
 use super::progress::Progress;
 use crate::couple::Context;
 use crate::segment::Iu;
-use crate::verdict::Verdict;
 
 /// An IU of which the hand has let go in the middle of its activity.
 #[derive(Clone, Copy, Debug)]
@@ -42,10 +41,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     }
 
     /// Something else begins than the IU of which the hand has let go, so that one is over.
-    pub(super) fn end_interrupted(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
+    pub(super) fn end_interrupted(&mut self, progress: &mut Progress<'a>) {
         let Some(Interrupted { open, observation, iu }) = self.interrupted.take() else { return };
         self.iu = Some(open);
-        self.decide_at_end(observation, Some(Context::IDLE), progress, emit);
+        self.decide_at_end(observation, Some(Context::IDLE), progress);
         self.close_iu(&iu, progress);
     }
 }

@@ -295,8 +295,6 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     pub fn step(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
         let couples = &self.bench.progress.of_job(couples);
         self.twice.follow(couples.ids(couples.twice), couples.captured_ns);
-        let twice = self.twice;
-        let emit = &mut |event| emit(twice.named(event));
         if let Some(newest) = self.newest.replace(*couples) {
             let until_ns = couples.captured_ns.saturating_sub(self.period_ns / 2);
             let mut elapsed_ns = self.period_ns;
@@ -321,30 +319,35 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     }
 
     fn take(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
-        self.observe(couples, emit);
-        let ends_job = self.ends_job(couples, emit);
+        self.observe(couples);
+        let ends_job = self.ends_job(couples);
         let Self { segmenter, bench, .. } = self;
         segmenter.job_matched(ends_job);
-        segmenter.step(couples, &mut |event| bench.take(&event, Some(couples), emit));
-        if let Some(began_ns) = segmenter.take_unseen(false) {
-            bench.conclude_unseen(began_ns, emit);
-        }
+        segmenter.step(couples, &mut |event| bench.take(&event, Some(couples)));
+        segmenter.take_unseen(false).into_iter().for_each(|began_ns| bench.conclude_unseen(began_ns));
         let Bench { hands, progress } = bench;
-        let emit_verdict = &mut |verdict| emit(Event::Verdict(verdict));
         for (hand, couple) in hands.iter_mut().zip(&couples.hands) {
             let measures = segmenter.hand(couple.side).measures();
-            hand.continue_iu(couple, measures, progress, emit_verdict);
+            hand.continue_iu(couple, measures, progress);
         }
         for (hand, couple) in hands.iter_mut().zip(&couples.hands) {
-            hand.settle(segmenter.hand(couple.side), progress, emit_verdict);
+            hand.settle(segmenter.hand(couple.side), progress);
         }
-        hands.iter_mut().for_each(|hand| hand.check_order(progress, emit_verdict));
+        hands.iter_mut().for_each(|hand| hand.check_order(progress));
         if hands.iter().zip(&couples.hands).any(|(hand, couple)| hand.is_seen_at_step(couple)) {
             progress.see_step();
         }
         if hands.iter().all(|hand| hand.is_concluded()) {
-            progress.conclude(false, emit_verdict);
+            progress.conclude(false);
         }
+        self.tell(emit);
+    }
+
+    /// Tells what was decided since it was last called.
+    fn tell(&mut self, emit: &mut impl FnMut(Event)) {
+        let told = &mut self.bench.progress.told;
+        told.iter().for_each(|event| emit(self.twice.named(*event)));
+        told.clear();
     }
 
     /// How many frames of the grid after the newest couples these come, at least 1. Of a long gap, not all have couples.
@@ -355,7 +358,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     }
 
     /// Takes note of how much the next couples show, and of what has happened without a hand.
-    fn observe(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
+    fn observe(&mut self, couples: &Couples) {
         let frames = self.frames_to(couples.captured_ns);
         let Self { segmenter, bench, .. } = self;
         bench.progress.watch(couples, frames);
@@ -385,13 +388,13 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         // What a hand does with the same part afterwards is not the remainder of what it did before.
         let is_idle = |couple: &Couple| couple.context == Context::IDLE && !couple.lacks(Unseen::CHANGE);
         if bench.progress.is_set_anew() && couples.hands.iter().all(is_idle) {
-            segmenter.finish(&mut |event| bench.take(&event, None, emit));
+            segmenter.finish(&mut |event| bench.take(&event, None));
         }
     }
 
     /// Whether the open job has come to its end, so that a touch in these couples begins another one. A touch that begins an activity ends
     /// the one before it, which has its verdict then.
-    fn ends_job(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) -> bool {
+    fn ends_job(&mut self, couples: &Couples) -> bool {
         let Self { segmenter, bench, .. } = self;
         let is_disturbed = segmenter.is_disturbed() || couples.lacks(Unseen::MOVER);
         let begins_next = couples.hands.iter().any(|couple| {
@@ -404,7 +407,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         for couple in &couples.hands {
             if segmenter.begins_activity(couple) {
                 let hand = segmenter.hand(couple.side);
-                hand.finish(couples.captured_ns, &mut |event| bench.take(&event, Some(couples), emit));
+                hand.finish(couples.captured_ns, &mut |event| bench.take(&event, Some(couples)));
             }
         }
         let progress = &bench.progress;
@@ -416,12 +419,11 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
 
     /// Starts a job on command. The open job, if any, ends first, with its verdicts.
     pub fn start(&mut self, emit: &mut impl FnMut(Event)) {
-        let twice = self.twice;
-        let emit = &mut |event| emit(twice.named(event));
         let Self { segmenter, bench, .. } = self;
         self.newest = None;
-        segmenter.start(&mut |event| bench.take(&event, None, emit));
+        segmenter.start(&mut |event| bench.take(&event, None));
         bench.hands.iter_mut().for_each(|hand| hand.doubt.begin());
+        self.tell(emit);
     }
 
     /// The couples break off here, and what comes next does not follow from them: a source has started again. Ends the open job, with its
@@ -440,13 +442,10 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
 
     /// Ends the open job on command or at the end of a recording, with its verdicts.
     pub fn finish(&mut self, emit: &mut impl FnMut(Event)) {
-        let twice = self.twice;
-        let emit = &mut |event| emit(twice.named(event));
         let Self { segmenter, bench, .. } = self;
-        segmenter.finish(&mut |event| bench.take(&event, None, emit));
-        if let Some(began_ns) = segmenter.take_unseen(true) {
-            bench.conclude_unseen(began_ns, emit);
-        }
+        segmenter.finish(&mut |event| bench.take(&event, None));
+        segmenter.take_unseen(true).into_iter().for_each(|began_ns| bench.conclude_unseen(began_ns));
+        self.tell(emit);
     }
 }
 
@@ -461,18 +460,15 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
     }
 
     /// A hand that was not seen has worked since then: whatever it did is not judged.
-    fn conclude_unseen(&mut self, began_ns: u64, emit: &mut impl FnMut(Event)) {
-        let Self { progress, .. } = self;
-        progress.begin(began_ns, false, false, None);
-        progress.set_unseen();
-        emit(Event::JobBegan { began_ns });
-        progress.conclude(true, &mut |verdict| emit(Event::Verdict(verdict)));
+    fn conclude_unseen(&mut self, began_ns: u64) {
+        self.progress.begin(began_ns, false, false, None);
+        self.progress.set_unseen();
+        self.progress.conclude(true);
     }
 
     /// Takes an event of the segmentation, which comes from `couples` or from a command.
-    fn take(&mut self, event: &segment::Event, couples: Option<&Couples>, emit: &mut impl FnMut(Event)) {
+    fn take(&mut self, event: &segment::Event, couples: Option<&Couples>) {
         let Self { hands, progress } = self;
-        let emit_verdict = &mut |verdict| emit(Event::Verdict(verdict));
         match *event {
             segment::Event::JobBegan { began_ns, is_start_seen, unseen_since_ns } => {
                 let mut touches = couples.iter().flat_map(|couples| &couples.hands);
@@ -487,7 +483,6 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
                         hand.last_done = None;
                     }
                 }
-                emit(Event::JobBegan { began_ns });
             }
             segment::Event::ActivityBegan { side, context, began_ns } => {
                 // What the other hand goes on with is not put right.
@@ -496,14 +491,13 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
                 hands[side.index()].begin_activity(context, began_ns, progress);
             }
             segment::Event::IuBegan { side, .. } => {
-                let couple = couples.map(|couples| &couples.hands[side.index()]);
-                if let Some(couple) = couple {
-                    hands[side.index()].begin_iu(couple, progress, emit_verdict);
+                if let Some(couples) = couples {
+                    hands[side.index()].begin_iu(&couples.hands[side.index()], progress);
                 }
             }
             segment::Event::IuResumed { side } => hands[side.index()].resume_iu(),
             segment::Event::IuFrame { side, motion, .. } => {
-                hands[side.index()].push_motion(&motion, progress, emit_verdict)
+                hands[side.index()].push_motion(&motion, progress);
             }
             segment::Event::IuUnmeasured { side, .. } => hands[side.index()].skip_motion(),
             segment::Event::Eru { .. } => {}
@@ -514,17 +508,15 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
                 if next == Some(iu.context) {
                     hand.break_off();
                 }
-                hand.end_iu(&iu, next, progress, emit_verdict);
+                hand.end_iu(&iu, next, progress);
             }
-            segment::Event::ActivityEnded { side, .. } => {
-                hands[side.index()].end_activity(progress, emit_verdict)
-            }
+            segment::Event::ActivityEnded { side, .. } => hands[side.index()].end_activity(progress),
             segment::Event::JobEnded { .. } => {
                 // Whoever moved things unseen before a pause may go on unseen after it.
                 if couples.is_some_and(|couples| couples.hands.iter().all(|couple| !couple.is_hand_seen())) {
                     progress.assume_end();
                 }
-                progress.conclude(true, emit_verdict);
+                progress.conclude(true);
             }
         }
     }

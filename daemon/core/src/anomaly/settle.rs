@@ -7,12 +7,12 @@ use crate::capacity::ACTIVITIES;
 use crate::couple::Context;
 use crate::segment::Segmenter;
 use crate::set::ActivitySet;
-use crate::verdict::{Outcome, Reason, Verdict};
+use crate::verdict::{Outcome, Reason};
 use heapless::Vec;
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// Concludes that the activity is out of order, as soon as every candidate is, once all events of one frame for both hands are known.
-    pub(super) fn check_order(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
+    pub(super) fn check_order(&mut self, progress: &mut Progress<'a>) {
         let (cannot_accuse, may_give_up) = (self.cannot_accuse(), self.may_give_up());
         let Some(activity) = &mut self.activity else { return };
         let candidates = activity.candidates();
@@ -45,7 +45,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 candidates.lowest(),
                 true,
                 progress,
-                emit,
             );
             return;
         }
@@ -58,12 +57,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     }
 
     /// Decides on the activity after all events of one frame for both hands: that it is right, if no candidate can go on.
-    pub(super) fn settle(
-        &mut self,
-        segmenter: &mut Segmenter,
-        progress: &mut Progress<'a>,
-        emit: &mut impl FnMut(Verdict),
-    ) {
+    pub(super) fn settle(&mut self, segmenter: &mut Segmenter, progress: &mut Progress<'a>) {
         progress.set_waiting(self.side, None);
         if self.interrupted.is_some() {
             segmenter.interrupt();
@@ -99,7 +93,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             if activity.is_out_of_sequence() {
                 let cause = activity.unjudged.unwrap_or_else(|| self.unseen_cause(progress));
                 let nearest = activity.nearest;
-                self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress, emit);
+                self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress);
                 return;
             }
         }
@@ -118,7 +112,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let continuations = activity.continuations(job);
         segmenter.activity_matched(&self.by_this_hand(continuations.clone()));
         if continuations.is_empty() {
-            self.conclude_matched(nominal, true, progress, emit);
+            self.conclude_matched(nominal, true, progress);
         } else if !activity.is_concluded {
             progress.set_waiting(self.side, Some(nominal));
         }
@@ -131,8 +125,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     }
 
     /// The activity has ended.
-    pub(super) fn end_activity(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
-        self.end_interrupted(progress, emit);
+    pub(super) fn end_activity(&mut self, progress: &mut Progress<'a>) {
+        self.end_interrupted(progress);
         let Some(activity) = &self.activity else { return };
         let nearest = activity.nearest.or(activity.candidates().lowest());
         let may_go_on = progress.is_end_assumed()
@@ -141,16 +135,16 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             || activity.is_out_of_sequence() && activity.unjudged.is_some();
         let cause = activity.unjudged.unwrap_or_else(|| self.unseen_cause(progress));
         match activity.matched(self.side, progress) {
-            Some(nominal) => self.conclude_matched(nominal, false, progress, emit),
+            Some(nominal) => self.conclude_matched(nominal, false, progress),
             // What is missing may have happened unseen, and the activity may have been another one, or may still go on.
             None if may_go_on && !activity.is_concluded => {
                 self.doubt.may_be_remainder = true;
                 progress.set_doubtful();
-                self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress, emit);
+                self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress);
             }
             None => {
                 let cause = Reason::NotCompleted.into();
-                self.conclude_activity(Outcome::Anomaly, cause, nearest, false, progress, emit);
+                self.conclude_activity(Outcome::Anomaly, cause, nearest, false, progress);
             }
         }
         self.activity = None;

@@ -6,14 +6,16 @@ mod order;
 mod outcome;
 mod unseen;
 
+use super::Event;
 use super::occlusion::{Cause, OcclusionLog};
-use crate::capacity::HANDS;
+use crate::capacity::{EVENTS, HANDS};
 use crate::couple::{Context, Couple, Couples, Unseen};
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
 use crate::set::{ActivitySet, ObjectSet};
-use crate::verdict::{BrokenOrder, Measured, Missing, Note, Reason};
+use crate::verdict::{BrokenOrder, Measured, Missing, Note, Reason, Verdict};
 pub(super) use another_piece::quickest;
+use heapless::Vec;
 
 /// Two unrelated steps come in one order in as many runs by chance in 3 of 100 jobs (2^-5).
 const MIN_USUAL_RUNS: u16 = 6;
@@ -143,6 +145,8 @@ pub(super) struct Progress<'a> {
     occlusions: [OcclusionLog; HANDS],
     /// The couples have broken off.
     pub(super) is_broken_off: bool,
+    /// What the newest frame has brought, in its order, until the judge tells it.
+    pub(super) told: Vec<Event, EVENTS>,
 }
 
 impl<'a> Progress<'a> {
@@ -163,7 +167,18 @@ impl<'a> Progress<'a> {
             unwatched: 0,
             occlusions,
             is_broken_off: false,
+            told: Vec::new(),
         }
+    }
+
+    /// Something has its verdict.
+    pub(super) fn tell(&mut self, verdict: Verdict) {
+        self.push(Event::Verdict(verdict));
+    }
+
+    fn push(&mut self, event: Event) {
+        // There is room for all events of a frame.
+        let _ = self.told.push(event);
     }
 
     /// A job begins, with a touch or on command, and since when a hand that was not seen had worked before it.
@@ -196,6 +211,7 @@ impl<'a> Progress<'a> {
             is_open: true,
             ..JobState::new(self.job)
         };
+        self.push(Event::JobBegan { began_ns });
     }
 
     /// The same couples, in which only objects count that the job uses.

@@ -7,7 +7,7 @@ use crate::verdict::{Outcome, Reason, Verdict};
 
 impl Progress<'_> {
     /// Gives the verdict on the job once all activities have come that may come, or when it has `ended`. One that has not begun has none.
-    pub(in crate::anomaly) fn conclude(&mut self, ended: bool, emit: &mut impl FnMut(Verdict)) {
+    pub(in crate::anomaly) fn conclude(&mut self, ended: bool) {
         let is_complete = (self.state.required | self.may_follow()).without(self.tried()).is_empty();
         if !self.state.is_open || !is_complete && !ended {
             return;
@@ -43,9 +43,9 @@ impl Progress<'_> {
         if let Some(began_ns) = self.state.unseen_since_ns.take_if(|_| outcome == Outcome::Ok) {
             let (outcome, reason) = (Outcome::NotJudged, Reason::HandNotSeen);
             let ended_ns = self.state.began_ns;
-            emit(Verdict { outcome, reason, activity: 0, note: None, began_ns, ended_ns, ..verdict });
+            self.tell(Verdict { outcome, reason, activity: 0, note: None, began_ns, ended_ns, ..verdict });
         }
-        emit(verdict);
+        self.tell(verdict);
     }
 
     /// How the job came out, and why.
