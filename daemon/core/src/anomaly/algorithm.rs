@@ -137,7 +137,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     fn conclude_not_shown(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         if couple.is_in_sight() {
-            let finding = Finding { outcome: Outcome::Anomaly, ..Finding::not_shown(true) };
+            let finding = Finding { outcome: Outcome::Anomaly, ..Finding::not_shown() };
             self.conclude_iu(finding, progress);
         } else {
             self.conclude_unseen(progress);
@@ -260,7 +260,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             self.conclude_unseen(progress);
         } else if iu.context.is_release() && (iu.is_certain || !candidates.is_empty()) {
             // It has no motion of a hand and may last for any time, so its context decides.
-            self.conclude_right(None, true, progress);
+            self.conclude_right(None, progress);
         } else if iu.is_certain && !self.doubt.is_doubtful() && self.is_certainly_wrong(iu.observation) {
             self.decide_by_motion(iu.observation, progress);
         }
@@ -378,21 +378,20 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if let Some(iu) = &mut self.iu {
             iu.measured = nearest.measured;
         }
-        let early = !observation.ended;
         let is_place_certain = self.activity.as_ref().is_some_and(OpenActivity::is_place_certain);
         let is_right = nearest.reason == Reason::None;
         if is_right && !observation.is_known() || !is_right && (nearest.is_doubtful || !is_place_certain) {
             self.conclude_unseen(progress);
         } else if is_right {
             self.keep_right(observation);
-            self.conclude_right(Some(nearest), early, progress);
+            self.conclude_right(Some(nearest), progress);
         } else {
             let nominal = Some(nearest.nominal);
             if let Some(activity) = &mut self.activity {
                 activity.follow(nominal, nearest.index + 1);
             }
             let wrong = Finding::of(Outcome::Anomaly, nearest.reason.into());
-            let finding = Finding { nominal, result: Some(nearest), early, ..wrong };
+            let finding = Finding { nominal, result: Some(nearest), ..wrong };
             self.conclude_iu(finding, progress);
         }
     }

@@ -81,18 +81,17 @@ pub(super) struct Finding {
     pub(super) missing: Missing,
     pub(super) nominal: Option<usize>,
     pub(super) result: Option<ComparisonResult>,
-    pub(super) early: bool,
 }
 
 impl Finding {
     /// What is done otherwise than shown by a hand that was not shown to do it, or where it need not be done at all.
-    pub(super) fn not_shown(early: bool) -> Self {
-        Self { early, ..Self::of(Outcome::Ok, Reason::None.into()) }
+    pub(super) fn not_shown() -> Self {
+        Self::of(Outcome::Ok, Reason::None.into())
     }
 
     /// The outcome and why, without a comparison.
     pub(super) fn of(outcome: Outcome, Cause { reason, missing }: Cause) -> Self {
-        Self { outcome, reason, missing, nominal: None, result: None, early: true }
+        Self { outcome, reason, missing, nominal: None, result: None }
     }
 }
 
@@ -158,18 +157,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     }
 
     /// The IU is right.
-    pub(super) fn conclude_right(
-        &mut self,
-        result: Option<ComparisonResult>,
-        early: bool,
-        progress: &mut Progress<'a>,
-    ) {
+    pub(super) fn conclude_right(&mut self, result: Option<ComparisonResult>, progress: &mut Progress<'a>) {
         let Some(activity) = &mut self.activity else { return };
         let nearest = result.map(|result| result.nominal);
         let nominal = nearest.or_else(|| activity.candidates().lowest()).or(activity.nearest);
         activity.nearest = nominal;
         self.conclude_iu(
-            Finding { nominal, result, early, ..Finding::of(Outcome::Ok, Reason::None.into()) },
+            Finding { nominal, result, ..Finding::of(Outcome::Ok, Reason::None.into()) },
             progress,
         );
     }
@@ -238,10 +232,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             return;
         }
         iu.is_concluded = true;
-        let Finding { outcome, reason, missing, nominal, result, early } = match finding {
-            Finding { early, .. } if is_wrong && cannot_accuse => Finding::not_shown(early),
-            finding => finding,
-        };
+        let finding = if is_wrong && cannot_accuse { Finding::not_shown() } else { finding };
+        let Finding { outcome, reason, missing, nominal, result } = finding;
         let measured = iu.measured.filter(|_| outcome != Outcome::Ok);
         activity.measured = measured.filter(|_| outcome == Outcome::Anomaly);
         progress.tell(Verdict {
@@ -259,7 +251,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             seen_percent: iu.seen_percent(),
             missing,
             measured,
-            early,
+            early: iu.ended_ns.is_none(),
             began_ns: iu.began_ns,
             ended_ns: iu.ended_ns.unwrap_or(progress.now_ns),
             decided_ns: progress.known_ns,

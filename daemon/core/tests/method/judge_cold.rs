@@ -54,7 +54,7 @@ fn a_hand_that_was_hidden_is_named_even_where_nobody_saw_what_came_before() {
         hand.unseen |= Unseen::CONTEXT;
     }
     let said = judged_cold_by(&job, couples);
-    assert_eq!(said[0], "r0.0 NotJudged HandNotSeen!");
+    assert_eq!(said[0], "r0.0 NotJudged HandNotSeen");
     assert_eq!(said[1], "r0 NotJudged HandNotSeen!");
 }
 
@@ -127,7 +127,7 @@ fn the_first_step_that_an_idle_hand_begins_is_judged_although_other_touches_may_
     };
     assert_eq!(said(60)[1], "r0.1 IuAnomaly TooShort", "{:?}", said(60));
     // What a hand goes on with that was not seen to be idle may have begun before.
-    assert_eq!(said(2)[1], "r0.1 NotJudged BeginningNotSeen!", "{:?}", said(2));
+    assert_eq!(said(2)[1], "r0.1 NotJudged BeginningNotSeen", "{:?}", said(2));
 }
 
 #[test]
