@@ -137,8 +137,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     fn conclude_not_shown(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         if couple.is_in_sight() {
-            let finding = Finding { outcome: Outcome::Anomaly, ..Finding::not_shown() };
-            self.conclude_iu(finding, progress);
+            self.conclude_iu(Finding::of(Outcome::Anomaly, Reason::None, None), progress);
         } else {
             self.conclude_unseen(progress);
         }
@@ -153,8 +152,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let has_parts = progress.has_parts_of(context);
         if activity.agree(job, agreeing, has_parts, is_certain) {
             let nominal = activity.candidates().lowest();
-            let right = Finding::of(Outcome::Ok, Reason::None.into());
-            self.conclude_iu(Finding { nominal, ..right }, progress);
+            self.conclude_iu(Finding::right(nominal), progress);
             return;
         }
         if agreeing.is_empty() {
@@ -205,7 +203,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         let nominal = activity.nearest;
         if couple.is_in_sight() && !may_be_right {
-            self.conclude_iu(Finding { nominal, ..Finding::of(Outcome::Anomaly, reason.into()) }, progress);
+            self.conclude_iu(Finding::of(Outcome::Anomaly, reason, nominal), progress);
         } else if is_certain || !couple.is_in_sight() {
             self.conclude_unseen(progress);
         }
@@ -214,7 +212,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// Takes the next filtered motion of the open IU.
     pub(super) fn push_motion(&mut self, motion: &Motion, progress: &mut Progress<'a>) {
         if self.iu.is_some_and(|iu| !iu.is_concluded) && self.comparisons.append(motion).is_err() {
-            self.conclude_unjudged(Reason::Overload.into(), progress);
+            self.conclude_unjudged(Reason::Overload, progress);
         }
     }
 
@@ -336,7 +334,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let goes_on = |next| activity.is_some_and(|activity| activity.goes_on_with(progress.job, next));
         let may_pass = self.may_pass(observation) && next.is_some_and(|next| !goes_on(next));
         if self.comparisons.end().is_err() {
-            self.conclude_unjudged(Reason::Overload.into(), progress);
+            self.conclude_unjudged(Reason::Overload, progress);
         } else if may_pass {
             self.conclude_passing(progress);
         } else {
@@ -358,7 +356,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if let Some(activity) = &mut self.activity {
             activity.doubt_newest_iu();
         }
-        self.conclude_unjudged(Reason::Passing.into(), progress);
+        self.conclude_unjudged(Reason::Passing, progress);
     }
 
     /// Gives the verdict on the IU by its motion and bounds.
@@ -390,9 +388,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             if let Some(activity) = &mut self.activity {
                 activity.follow(nominal, nearest.index + 1);
             }
-            let wrong = Finding::of(Outcome::Anomaly, nearest.reason.into());
-            let finding = Finding { nominal, result: Some(nearest), ..wrong };
-            self.conclude_iu(finding, progress);
+            let wrong = Finding::of(Outcome::Anomaly, nearest.reason, nominal);
+            self.conclude_iu(Finding { result: Some(nearest), ..wrong }, progress);
         }
     }
 

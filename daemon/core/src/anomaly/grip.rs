@@ -7,7 +7,7 @@
 //! and 3 of 120. Of 90 others 9 were accused before what was done could be put right, and 6 after it.
 
 use super::comparison::Memory;
-use super::hand::HandJudge;
+use super::hand::{Finding, HandJudge};
 use super::observation::IuObservation;
 use super::progress::Progress;
 use crate::couple::Context;
@@ -77,7 +77,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             let nearest = self.activity.as_ref().and_then(|activity| activity.nearest);
             self.doubt.may_be_remainder = true;
             progress.set_doubtful();
-            self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress);
+            self.conclude_activity(Finding::of(Outcome::NotJudged, cause, nearest), false, progress);
         }
         let Some(activity) = &mut self.activity else { return true };
         activity.give_up();

@@ -12,7 +12,7 @@ use crate::config::Method;
 use crate::couple::{Context, Couple, Unseen};
 use crate::input::Side;
 use crate::job::Job;
-use crate::verdict::{Level, Measured, Missing, Outcome, Reason, Verdict};
+use crate::verdict::{Level, Measured, Outcome, Reason, Verdict};
 
 /// An open IU.
 #[derive(Clone, Copy, Debug)]
@@ -74,24 +74,40 @@ pub(super) struct HandJudge<'a, M> {
     pub(super) is_broken_off: bool,
 }
 
-/// What was decided on an IU.
+/// What was decided on an IU or an activity, and why.
 pub(super) struct Finding {
     pub(super) outcome: Outcome,
-    pub(super) reason: Reason,
-    pub(super) missing: Missing,
+    pub(super) cause: Cause,
+    /// The index of the nearest nominal activity.
     pub(super) nominal: Option<usize>,
     pub(super) result: Option<ComparisonResult>,
 }
 
 impl Finding {
-    /// What is done otherwise than shown by a hand that was not shown to do it, or where it need not be done at all.
-    pub(super) fn not_shown() -> Self {
-        Self::of(Outcome::Ok, Reason::None.into())
+    /// It is right, or done otherwise than shown where nothing in it is wrong.
+    pub(super) fn right(nominal: Option<usize>) -> Self {
+        Self::of(Outcome::Ok, Reason::None, nominal)
     }
 
-    /// The outcome and why, without a comparison.
-    pub(super) fn of(outcome: Outcome, Cause { reason, missing }: Cause) -> Self {
-        Self { outcome, reason, missing, nominal: None, result: None }
+    /// Without a comparison.
+    pub(super) fn of(outcome: Outcome, cause: impl Into<Cause>, nominal: Option<usize>) -> Self {
+        Self { outcome, cause: cause.into(), nominal, result: None }
+    }
+
+    /// What is wrong in an activity that accuses nobody is a step that was not shown; not judged, where too little of it was seen.
+    fn without_accusation(self, activity: &mut OpenActivity, cannot_accuse: bool) -> Self {
+        if self.outcome != Outcome::Anomaly {
+            return self;
+        }
+        if let Some(object) = activity.never_seen {
+            Self::of(Outcome::NotJudged, Cause::object_not_seen(object), self.nominal)
+        } else if cannot_accuse && activity.broken.is_none() {
+            activity.step = Step::Untaught;
+            let unjudged = activity.unjudged.map(|cause| Self::of(Outcome::NotJudged, cause, None));
+            unjudged.unwrap_or(Self::right(None))
+        } else {
+            self
+        }
     }
 }
 
@@ -162,18 +178,16 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let nearest = result.map(|result| result.nominal);
         let nominal = nearest.or_else(|| activity.candidates().lowest()).or(activity.nearest);
         activity.nearest = nominal;
-        self.conclude_iu(
-            Finding { nominal, result, ..Finding::of(Outcome::Ok, Reason::None.into()) },
-            progress,
-        );
+        self.conclude_iu(Finding { result, ..Finding::right(nominal) }, progress);
     }
 
     /// The IU cannot be judged. It remains with all candidates, as if its motion were right.
-    pub(super) fn conclude_unjudged(&mut self, cause: Cause, progress: &mut Progress<'a>) {
+    pub(super) fn conclude_unjudged(&mut self, cause: impl Into<Cause>, progress: &mut Progress<'a>) {
         let Some(activity) = &mut self.activity else { return };
+        let cause = cause.into();
         activity.unjudged = activity.unjudged.or(Some(cause));
         let nominal = activity.candidates().lowest().or(activity.nearest);
-        self.conclude_iu(Finding { nominal, ..Finding::of(Outcome::NotJudged, cause) }, progress);
+        self.conclude_iu(Finding::of(Outcome::NotJudged, cause, nominal), progress);
     }
 
     /// The IU cannot be judged, because too little of it is known.
@@ -212,7 +226,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             None if is_order_certain || is_too_early => (Outcome::Anomaly, Reason::WrongOrder.into(), false),
             None => (Outcome::NotJudged, unseen, early),
         };
-        self.conclude_activity(outcome, cause, Some(nominal), early, progress);
+        self.conclude_activity(Finding::of(outcome, cause, Some(nominal)), early, progress);
         if outcome != Outcome::NotJudged {
             progress.set_done(number, nominal);
         }
@@ -232,14 +246,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             return;
         }
         iu.is_concluded = true;
-        let finding = if is_wrong && cannot_accuse { Finding::not_shown() } else { finding };
-        let Finding { outcome, reason, missing, nominal, result } = finding;
+        let finding = if is_wrong && cannot_accuse { Finding::right(None) } else { finding };
+        let Finding { outcome, cause, nominal, result } = finding;
         let measured = iu.measured.filter(|_| outcome != Outcome::Ok);
         activity.measured = measured.filter(|_| outcome == Outcome::Anomaly);
         progress.tell(Verdict {
             level: Level::Iu,
             outcome,
-            reason,
+            reason: cause.reason,
             side: Some(self.side),
             nearest: nominal.and_then(|nominal| progress.number(nominal)),
             activity: activity.number,
@@ -249,7 +263,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             threshold: result.map(|result| result.threshold),
             captured_percent: iu.captured_percent(),
             seen_percent: iu.seen_percent(),
-            missing,
+            missing: cause.missing,
             measured,
             early: iu.ended_ns.is_none(),
             began_ns: iu.began_ns,
@@ -258,70 +272,44 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             ..Verdict::default()
         });
         if is_wrong {
-            self.conclude_activity(Outcome::Anomaly, reason.into(), nominal, true, progress);
-        }
-    }
-
-    /// What is wrong in an activity that accuses nobody is a step that was not shown; not judged, where too little of it was seen.
-    fn without_accusation(
-        &mut self,
-        (outcome, cause, nominal): (Outcome, Cause, Option<usize>),
-    ) -> (Outcome, Cause, Option<usize>) {
-        let cannot_accuse = self.cannot_accuse();
-        let Some(activity) = self.activity.as_mut().filter(|_| outcome == Outcome::Anomaly) else {
-            return (outcome, cause, nominal);
-        };
-        if let Some(object) = activity.never_seen {
-            (Outcome::NotJudged, Cause::object_not_seen(object), nominal)
-        } else if cannot_accuse && activity.broken.is_none() {
-            activity.step = Step::Untaught;
-            let right = (Outcome::Ok, Reason::None.into(), None);
-            activity.unjudged.map_or(right, |cause| (Outcome::NotJudged, cause, None))
-        } else {
-            (outcome, cause, nominal)
+            self.conclude_activity(Finding { outcome: Outcome::Anomaly, ..finding }, true, progress);
         }
     }
 
     /// Gives the verdict on the activity, once.
-    pub(super) fn conclude_activity(
-        &mut self,
-        outcome: Outcome,
-        cause: Cause,
-        nominal: Option<usize>,
-        early: bool,
-        progress: &mut Progress<'a>,
-    ) {
-        if self.activity.as_ref().is_none_or(|activity| activity.is_concluded) {
-            return;
-        }
-        let (mut outcome, mut cause, nominal) = self.without_accusation((outcome, cause, nominal));
-        let can_be_no_fault = |activity: &OpenActivity| activity.can_be_no_fault(progress.job);
-        if outcome == Outcome::NotJudged && self.activity.as_ref().is_some_and(can_be_no_fault) {
+    pub(super) fn conclude_activity(&mut self, finding: Finding, early: bool, progress: &mut Progress<'a>) {
+        let cannot_accuse = self.cannot_accuse();
+        let Some(activity) = self.activity.as_mut().filter(|activity| !activity.is_concluded) else { return };
+        let Finding { mut outcome, mut cause, nominal, .. } =
+            finding.without_accusation(activity, cannot_accuse);
+        let is_no_fault = outcome == Outcome::NotJudged && activity.can_be_no_fault(progress.job);
+        if is_no_fault {
             (outcome, cause) = (Outcome::Ok, Reason::None.into());
-            progress.set_no_step(self.activity.as_ref().map_or(0, |activity| activity.number));
         }
-        let Cause { reason, missing } = self.occlusions.until_now(cause);
-        let Some(activity) = &mut self.activity else { return };
-        activity.is_concluded = true;
-        if activity.step == Step::Untaught {
+        if is_no_fault || activity.step == Step::Untaught {
             progress.set_no_step(activity.number);
         }
+        activity.is_concluded = true;
+        let cause = self.occlusions.until_now(cause);
+        let Cause { reason, missing } = cause;
         let note = activity.note(self.side, progress.job);
         let broken = activity.broken.filter(|_| outcome == Outcome::Anomaly && reason == Reason::WrongOrder);
         let measured = activity.measured.filter(|_| outcome == Outcome::Anomaly);
         progress.set_note(note);
         let done = nominal.filter(|_| outcome != Outcome::Anomaly);
         self.last_done = done.and_then(|nominal| LastIu::of(progress.job, nominal, self.side));
-        self.newest_unjudged = (outcome == Outcome::NotJudged).then_some(Cause { reason, missing });
+        self.newest_unjudged = (outcome == Outcome::NotJudged).then_some(cause);
         match outcome {
             Outcome::Ok => {}
-            Outcome::Anomaly => progress.set_wrong(nominal, reason, measured, broken),
+            Outcome::Anomaly => {
+                progress.set_wrong(nominal, Verdict { reason, measured, broken, ..Verdict::default() })
+            }
             Outcome::NotJudged => {
                 // Otherwise what comes next with the same object may be the remainder of it.
                 if !activity.has_certainly_ended(progress.job) {
                     self.doubt.set_unjudged(activity.context);
                 }
-                progress.set_unjudged(nominal, Cause { reason, missing });
+                progress.set_unjudged(nominal, cause);
             }
         }
         progress.tell(Verdict {

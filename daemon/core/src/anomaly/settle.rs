@@ -1,7 +1,7 @@
 //! What is decided on an activity of one hand rather than on an IU: its order, that it is right, and its end.
 
 use super::comparison::Memory;
-use super::hand::HandJudge;
+use super::hand::{Finding, HandJudge};
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
 use crate::couple::Context;
@@ -39,13 +39,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         if broken.is_some() {
             activity.broken = broken;
-            self.conclude_activity(
-                Outcome::Anomaly,
-                Reason::WrongOrder.into(),
-                candidates.lowest(),
-                true,
-                progress,
-            );
+            let finding = Finding::of(Outcome::Anomaly, Reason::WrongOrder, candidates.lowest());
+            self.conclude_activity(finding, true, progress);
             return;
         }
         if !is_order_certain {
@@ -93,7 +88,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             if activity.is_out_of_sequence() {
                 let cause = activity.unjudged.unwrap_or_else(|| self.unseen_cause(progress));
                 let nearest = activity.nearest;
-                self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress);
+                self.conclude_activity(Finding::of(Outcome::NotJudged, cause, nearest), false, progress);
                 return;
             }
         }
@@ -140,11 +135,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             None if may_go_on && !activity.is_concluded => {
                 self.doubt.may_be_remainder = true;
                 progress.set_doubtful();
-                self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress);
+                self.conclude_activity(Finding::of(Outcome::NotJudged, cause, nearest), false, progress);
             }
             None => {
-                let cause = Reason::NotCompleted.into();
-                self.conclude_activity(Outcome::Anomaly, cause, nearest, false, progress);
+                let finding = Finding::of(Outcome::Anomaly, Reason::NotCompleted, nearest);
+                self.conclude_activity(finding, false, progress);
             }
         }
         self.activity = None;

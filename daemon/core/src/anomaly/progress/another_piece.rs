@@ -26,8 +26,7 @@ impl Progress<'_> {
         let fits = |nominal: &NominalActivity<'_>| self.unwatched >= self.exchange(side, nominal, ius);
         let all = self.job.activities;
         if self.state.is_open && nominal.iter().filter_map(|nominal| all.get(nominal)).any(fits) {
-            let cause = self.unseen_cause();
-            self.state.first_unjudged = self.state.first_unjudged.or(Some((cause, None)));
+            self.note_unjudged(self.unseen_cause(), None);
         }
     }
 

@@ -13,23 +13,12 @@ use crate::couple::{Context, Couple, Couples, Unseen};
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
 use crate::set::{ActivitySet, ObjectSet};
-use crate::verdict::{BrokenOrder, Measured, Missing, Note, Reason, Verdict};
+use crate::verdict::{Note, Outcome, Reason, Verdict};
 pub(super) use another_piece::quickest;
 use heapless::Vec;
 
 /// Two unrelated steps come in one order in as many runs by chance in 3 of 100 jobs (2^-5).
 const MIN_USUAL_RUNS: u16 = 6;
-
-/// The first fault of a job.
-#[derive(Clone, Copy, Debug)]
-struct Fault {
-    reason: Reason,
-    missing: Missing,
-    /// The number of the activity that is nearest to it.
-    nearest: Option<u16>,
-    measured: Option<Measured>,
-    broken: Option<BrokenOrder>,
-}
 
 /// What was known when a hand began its newest activity.
 #[derive(Clone, Copy, Debug, Default)]
@@ -95,9 +84,9 @@ struct JobState {
     may_be_of_next: ActivitySet,
     /// Why what a hand goes on with from the job before was not judged.
     carried_on_cause: Option<Cause>,
-    fault: Option<Fault>,
-    /// Why something was not judged first, and the number of the activity that is nearest to it.
-    first_unjudged: Option<(Cause, Option<u16>)>,
+    /// What of the verdict is known by the first fault, and by the first that was not judged.
+    fault: Option<Verdict>,
+    first_unjudged: Option<Verdict>,
     /// The job ended only because a touch may have begun the next one, or in a pause: that is assumed, not seen.
     is_end_assumed: bool,
     /// The first note.
@@ -523,27 +512,20 @@ impl<'a> Progress<'a> {
     pub(super) fn set_unjudged(&mut self, nominal: Option<usize>, cause: Cause) {
         self.state.unjudged |= self.activities_of(nominal);
         nominal.into_iter().for_each(|nominal| self.require_rest_of(nominal));
-        let nearest = nominal.and_then(|nominal| self.number(nominal));
-        self.state.first_unjudged = self.state.first_unjudged.or(Some((cause, nearest)));
+        self.note_unjudged(cause, nominal.and_then(|nominal| self.number(nominal)));
+    }
+
+    /// Something was not judged, of which the activity with this number is the nearest.
+    fn note_unjudged(&mut self, cause: Cause, nearest: Option<u16>) {
+        self.state.first_unjudged = self.state.first_unjudged.or(Some(not_judged(cause, nearest)));
     }
 
     /// If no nominal activity is near a wrong one, and only one could come next, the wrong one came instead of that.
-    pub(super) fn set_wrong(
-        &mut self,
-        nominal: Option<usize>,
-        reason: Reason,
-        measured: Option<Measured>,
-        broken: Option<BrokenOrder>,
-    ) {
+    pub(super) fn set_wrong(&mut self, nominal: Option<usize>, why: Verdict) {
         let nearest = nominal.and_then(|nominal| self.number(nominal));
         self.state.wrong |= nearest.map(usize::from).or_else(|| self.next_in_order()).into_iter().collect();
-        self.state.fault = self.state.fault.or(Some(Fault {
-            reason,
-            missing: Missing::default(),
-            nearest,
-            measured,
-            broken,
-        }));
+        let fault = Verdict { outcome: Outcome::Anomaly, nearest, ..why };
+        self.state.fault = self.state.fault.or(Some(fault));
     }
 
     pub(super) fn set_note(&mut self, note: Option<Note>) {
@@ -570,6 +552,16 @@ impl<'a> Progress<'a> {
     pub(super) fn is_concluded(&self) -> bool {
         !self.state.is_open
     }
+}
+
+/// Of a verdict: it is not judged, for this cause, and the activity with this number is the nearest.
+fn not_judged(Cause { reason, missing }: Cause, nearest: Option<u16>) -> Verdict {
+    Verdict { outcome: Outcome::NotJudged, reason, missing, nearest, ..Verdict::default() }
+}
+
+/// Of a verdict: this is wrong.
+fn wrong(reason: Reason) -> Verdict {
+    Verdict { outcome: Outcome::Anomaly, reason, ..Verdict::default() }
 }
 
 /// What either hand has of these.

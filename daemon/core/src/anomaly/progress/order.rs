@@ -3,7 +3,7 @@
 //! In an ordered job a wrong activity takes the place of the one that must come next. One fault is reported once: what follows in order is
 //! not accused as well.
 
-use super::{Progress, of_both};
+use super::{Progress, of_both, wrong};
 use crate::input::Side;
 use crate::job::Law;
 use crate::set::ActivitySet;
@@ -60,7 +60,7 @@ impl Progress<'_> {
             must_come && self.job.law(*activity).after().without(self.tried()).is_empty()
         };
         if activities.without(self.possibly()).iter().any(|activity| is_next(&activity)) {
-            self.set_wrong(Some(nominal), Reason::WrongObject, None, None);
+            self.set_wrong(Some(nominal), wrong(Reason::WrongObject));
         }
     }
 
@@ -79,7 +79,7 @@ impl Progress<'_> {
         let mut all = self.job.activities.iter();
         let nominal = all.position(|nominal| nominal.activity == broken.activity).filter(|_| is_instead);
         if nominal.is_some() {
-            self.set_wrong(nominal, Reason::WrongObject, None, None);
+            self.set_wrong(nominal, wrong(Reason::WrongObject));
         }
         nominal.is_some()
     }

@@ -15,8 +15,7 @@ impl Progress<'_> {
     pub(in crate::anomaly) fn set_moved_unseen(&mut self) {
         if self.state.is_open && self.state.activities > 0 && !self.is_matched() {
             if self.state.first_step.is_some() {
-                self.state.first_unjudged =
-                    self.state.first_unjudged.or(Some((self.moved_unseen_cause(), None)));
+                self.note_unjudged(self.moved_unseen_cause(), None);
             } else {
                 (self.state.is_start_seen, self.state.may_precede) = (false, self.all);
                 self.set_doubtful();
