@@ -53,7 +53,7 @@ impl Warp {
         if self.matrix.len() < needed {
             self.matrix.resize(needed, dtw::Cells::default());
         }
-        dtw::path(&self.costs, a, b, &mut self.matrix, &mut self.scratch)?.for_each(visit);
+        dtw::path(&self.costs, a, b, &mut self.matrix, &mut self.scratch)?.1.for_each(visit);
         Ok(())
     }
 

@@ -42,7 +42,7 @@ pub fn distance(
 ) -> Result<f64, Refused> {
     // No value is greater than this bound, so the computation never stops early.
     let value = last_cell(costs, a, b, UNREACHED, scratch)?.unwrap_or(UNREACHED);
-    Ok(costs.distance_of(value))
+    Ok(costs.integers.distance_of(value))
 }
 
 /// [`distance`] if it is at most `bound`, else `None`; that is often known long before the end.
@@ -58,8 +58,8 @@ pub fn distance_within(
 ) -> Result<Option<f64>, Refused> {
     check(a)?;
     check(b)?;
-    let Some(bound) = costs.max_value(bound) else { return Ok(None) };
-    Ok(last_cell(costs, a, b, bound, scratch)?.map(|value| costs.distance_of(value)))
+    let Some(bound) = costs.integers.max_value(bound) else { return Ok(None) };
+    Ok(last_cell(costs, a, b, bound, scratch)?.map(|value| costs.integers.distance_of(value)))
 }
 
 /// The value of the last cell of the DTW matrix if it is at most `bound`.
@@ -76,7 +76,7 @@ fn last_cell(
     let [a, b] =
         if a.len().div_ceil(BLOCK) * b.len() <= b.len().div_ceil(BLOCK) * a.len() { [a, b] } else { [b, a] };
     let [x, y] = &mut scratch.symbols;
-    if let Some(simd) = costs.simd()
+    if let Some(simd) = &costs.simd
         && costs.read(a, false, x)
         && costs.read(b, true, y)
     {

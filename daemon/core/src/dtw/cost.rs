@@ -42,15 +42,15 @@ const MAX_BINS: u8 = i8::MAX as u8;
 #[derive(Clone, Debug)]
 pub(super) struct IntegerCosts {
     /// Units of a cost of 1.
-    scale: i32,
+    pub(super) scale: i32,
     /// Maximum relative error of a cost.
-    error: f64,
+    pub(super) error: f64,
     /// Cost of an `a_h` that differs by 1.
-    step: i32,
+    pub(super) step: i32,
     /// Cost of a direction, as a number, that differs by 1; unused for circular costs.
     bin: i32,
     /// N, or 0 where a direction is a number.
-    bins: u8,
+    pub(super) bins: u8,
     /// Cost of directions that differ by this many bins; unused where a direction is a number.
     circle: [i32; MAX_BINS as usize],
 }
@@ -79,26 +79,6 @@ impl IntegerCosts {
         for (apart, cost) in (0..bins).zip(&mut self.circle) {
             *cost = libm::round(exact_chord(apart, bins) * f64::from(self.scale)) as i32;
         }
-    }
-
-    /// Units of a cost of 1.
-    pub(super) fn scale(&self) -> i32 {
-        self.scale
-    }
-
-    /// Cost of an `a_h` that differs by 1.
-    pub(super) fn step(&self) -> i32 {
-        self.step
-    }
-
-    /// N, or 0 where a direction is a number.
-    pub(super) fn bins(&self) -> u8 {
-        self.bins
-    }
-
-    /// See [`LocalCosts::relative_error`](super::LocalCosts::relative_error).
-    pub(super) fn relative_error(&self) -> f64 {
-        self.error / 2.0
     }
 
     /// Local cost of two motions, in units of `1 / scale`.

@@ -13,11 +13,11 @@ use crate::job::LocalCost;
 /// portable and the SIMD path return the same bits.
 #[derive(Clone, Debug)]
 pub struct LocalCosts {
-    costs: IntegerCosts,
+    pub(super) integers: IntegerCosts,
     /// Costs of symbols; `None` where motions have no symbols.
     tables: Option<Tables>,
     /// The SIMD path; `None` where the processor or the costs do not allow it.
-    simd: Option<Simd>,
+    pub(super) simd: Option<Simd>,
 }
 
 impl LocalCosts {
@@ -32,24 +32,14 @@ impl LocalCosts {
     /// As [`new`](Self::new), but without SIMD: slower, with the same results. On a processor with SIMD it lets tests and
     /// benchmarks compare both paths.
     pub fn portable(cost: LocalCost) -> Self {
-        let costs = IntegerCosts::new(cost);
-        let tables = Tables::new(&costs);
-        Self { costs, tables, simd: None }
+        let integers = IntegerCosts::new(cost);
+        let tables = Tables::new(&integers);
+        Self { integers, tables, simd: None }
     }
 
     /// How far a distance may be from the one in real numbers, relative to it: costs are rounded to integers.
     pub fn relative_error(&self) -> f64 {
-        self.costs.relative_error()
-    }
-
-    /// The distance that a cell's value stands for.
-    pub(super) fn distance_of(&self, value: i32) -> f64 {
-        self.costs.distance_of(value)
-    }
-
-    /// The maximum value of a cell whose distance is at most `bound`; `None` if `bound` is negative or not a number.
-    pub(super) fn max_value(&self, bound: f64) -> Option<i32> {
-        self.costs.max_value(bound)
+        self.integers.error / 2.0
     }
 
     /// Writes the symbols of a sequence by the fastest path. False if it has none under these costs.
@@ -90,13 +80,8 @@ impl LocalCosts {
         let by_symbols = symbols.zip(self.tables.as_ref());
         match by_symbols.and_then(|(symbols, tables)| Some((symbols, tables, tables.symbols(frame)?))) {
             Some((symbols, tables, frame)) => tables.costs(frame, symbols, reference.len(), next),
-            None => reference.iter().map(|motion| self.costs.between(frame, motion)).for_each(next),
+            None => reference.iter().map(|motion| self.integers.between(frame, motion)).for_each(next),
         }
         min
-    }
-
-    /// The SIMD path; `None` where the processor or the costs do not allow it.
-    pub(super) fn simd(&self) -> Option<&Simd> {
-        self.simd.as_ref()
     }
 }

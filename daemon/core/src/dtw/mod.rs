@@ -30,8 +30,8 @@
 //!
 //! // The warping path, from the last pair back to the first.
 //! let mut memory = [[0; 32]; path_memory(3, 3)];
-//! let path = path(&costs, &seen, &taught, &mut memory, &mut scratch)?;
-//! assert_eq!(path.distance(), whole);
+//! let (distance, path) = path(&costs, &seen, &taught, &mut memory, &mut scratch)?;
+//! assert_eq!(distance, whole);
 //! assert!(path.eq([(2, 2), (1, 1), (0, 0)]));
 //! # Ok::<(), andon_core::dtw::Refused>(())
 //! ```
@@ -48,7 +48,7 @@ mod symbols;
 pub use batch::{Scratch, distance, distance_within};
 pub use local_costs::LocalCosts;
 pub use online::OnlineDtw;
-pub use path::{Cells, Path, path, path_memory};
+pub use path::{Cells, path, path_memory};
 
 use crate::capacity::IU_FRAMES;
 use crate::couple::Motion;

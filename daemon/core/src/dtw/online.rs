@@ -82,12 +82,12 @@ impl<'a> OnlineDtw<'a> {
     /// The DTW distance of all appended frames to the reference, equal to [`distance`](super::distance) in every bit; `None`
     /// before the first frame.
     pub fn distance(&self) -> Option<f64> {
-        (self.frames > 0).then(|| self.costs.distance_of(self.row.cell(self.reference.len() - 1)))
+        (self.frames > 0).then(|| self.costs.integers.distance_of(self.row.cell(self.reference.len() - 1)))
     }
 
     /// A lower bound of the distance, whatever frames are appended. It comes from the minimum of the newest row, which never falls, because every
     /// path to a later row passes through this one.
     pub fn lower_bound(&self) -> f64 {
-        self.costs.distance_of(self.min)
+        self.costs.integers.distance_of(self.min)
     }
 }

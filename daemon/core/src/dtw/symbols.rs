@@ -39,16 +39,16 @@ pub(super) struct Tables {
 impl Tables {
     /// `None` if there are too many bins.
     pub(super) fn new(costs: &IntegerCosts) -> Option<Self> {
-        let circle = costs.bins() > 0;
-        let max = if circle { costs.bins() } else { SYMBOLS as u8 - 1 };
+        let circle = costs.bins > 0;
+        let max = if circle { costs.bins } else { SYMBOLS as u8 - 1 };
         if usize::from(max) >= SYMBOLS {
             return None;
         }
-        let scale = costs.scale();
+        let scale = costs.scale;
         let ordered = core::array::from_fn(|differ| {
             // Two bits for a_h (see `symbols`) and one for each jm.
             let a_h = [0, 1, 1, 4][differ & 3];
-            costs.step() * a_h + scale * ((differ as i32 >> 2 & 1) + (differ as i32 >> 3))
+            costs.step * a_h + scale * ((differ as i32 >> 2 & 1) + (differ as i32 >> 3))
         });
         let direction = core::array::from_fn(|a| core::array::from_fn(|b| costs.direction(a as i8, b as i8)));
         let apart = core::array::from_fn(|apart| match apart {

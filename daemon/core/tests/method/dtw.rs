@@ -125,8 +125,8 @@ fn check_all_ways(local: LocalCost, a: &[Motion], b: &[Motion]) {
     assert_eq!(within(whole / 2.0), Some(whole).filter(|&whole| whole == 0.0));
 
     let mut memory = vec![[i32::MIN; 32]; path_memory(a.len(), b.len())];
-    let path = path(&costs, a, b, &mut memory, &mut scratch).unwrap();
-    assert_eq!(path.distance(), whole, "path and batch");
+    let (distance, _) = path(&costs, a, b, &mut memory, &mut scratch).unwrap();
+    assert_eq!(distance, whole, "path and batch");
 }
 
 proptest! {
@@ -183,8 +183,7 @@ proptest! {
         for local in [LocalCost::Ordinal, LocalCost::Circular { bins: 8 }] {
             let costs = LocalCosts::new(local);
             let mut memory = vec![[0; 32]; path_memory(a.len(), b.len())];
-            let path = path(&costs, &a, &b, &mut memory, &mut Scratch::new()).unwrap();
-            let distance = path.distance();
+            let (distance, path) = path(&costs, &a, &b, &mut memory, &mut Scratch::new()).unwrap();
             let pairs: Vec<_> = path.collect();
             prop_assert_eq!(pairs[0], (a.len() - 1, b.len() - 1));
             prop_assert_eq!(*pairs.last().unwrap(), (0, 0));

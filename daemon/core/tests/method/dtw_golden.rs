@@ -40,7 +40,7 @@ fn ordinal_distances_and_paths_are_those_of_dtaidistance() {
 
         let costs = LocalCosts::new(LocalCost::Ordinal);
         let mut memory = vec![[0; 32]; path_memory(a.len(), b.len())];
-        let mut pairs: Vec<_> = path(&costs, &a, &b, &mut memory, &mut Scratch::new()).unwrap().collect();
+        let mut pairs: Vec<_> = path(&costs, &a, &b, &mut memory, &mut Scratch::new()).unwrap().1.collect();
         pairs.reverse();
         assert_eq!(pairs, from_value::<Vec<(usize, usize)>>(vector["path"].clone()).unwrap());
     }
