@@ -1,4 +1,4 @@
-//! Sets of activities, of objects, and of what was not seen.
+//! Sets of activities, of objects, of what was not seen and of what may be so.
 
 use crate::capacity::{ACTIVITIES, OBJECTS};
 use core::marker::PhantomData;
@@ -77,8 +77,12 @@ impl<Of: Copy> Set<Of> {
 
     /// Makes this number a member, or none.
     pub(crate) fn set(&mut self, number: usize, is_member: bool) {
-        let one = Self::of(number);
-        *self = if is_member { *self | one } else { self.without(one) };
+        self.put(Self::of(number), is_member);
+    }
+
+    /// Makes all of these members, or none of them.
+    pub(crate) fn put(&mut self, these: Self, are_members: bool) {
+        *self = self.without(these) | these.when(are_members);
     }
 
     /// The members in ascending order.

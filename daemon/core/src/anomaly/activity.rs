@@ -3,6 +3,7 @@
 //! A part of an optional step may be touched in other ways as well, because runs without that step were shown as right. What begins like
 //! the step and is not like it gets a note. It is an anomaly only with a part that the job does not know, or out of order.
 
+use super::hand_doubt::HandDoubt;
 use super::occlusion::Cause;
 use super::places::{Places, Transition};
 use super::progress::Progress;
@@ -39,6 +40,17 @@ pub(super) enum Step {
     Foreign,
 }
 
+/// Whether an activity may be the remainder of one that was done before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Remainder {
+    /// All of it comes now.
+    No,
+    /// Not all was seen before it.
+    Possible,
+    /// Nothing was watched before it.
+    Unwatched,
+}
+
 /// An open activity.
 #[derive(Clone, Debug)]
 pub(super) struct OpenActivity {
@@ -63,7 +75,7 @@ pub(super) struct OpenActivity {
     pub(super) ended_ns: u64,
     pub(super) against: Against,
     /// The nominal activities with which all IUs agree as they were seen, index by index.
-    agreeing: ActivitySet,
+    pub(super) agreeing: ActivitySet,
     /// How many IUs have begun.
     pub(super) ius: u16,
     /// How many of them came between those of every candidate, which allows that.
@@ -82,8 +94,7 @@ pub(super) struct OpenActivity {
     newest: (Context, Transition),
     /// What was not seen since the newest IU began.
     transition: Transition,
-    /// It may be the remainder of one that was done before.
-    may_be_remainder: bool,
+    pub(super) remainder: Remainder,
     /// An end of all of it fits into as many hidden frames.
     end_frames: u32,
     /// The nominal activities all of whose IUs may have come before the newest one, which then belongs to another activity with the same part.
@@ -91,31 +102,30 @@ pub(super) struct OpenActivity {
     /// An object that it may use and that was unseen up to some time in it; 0 where it is not known which. What it looks like without that is not
     /// known.
     pub(super) never_seen: Option<u16>,
-    /// It may be the remainder of one because nothing was watched before it.
-    pub(super) is_begun_late: bool,
     /// It has its verdict.
     pub(super) is_concluded: bool,
 }
 
 impl OpenActivity {
-    /// Before its first IU: `C`, `L` and `i` of Algorithm 1 start again with every activity. It may have begun `hidden` frames earlier; with
-    /// `was_idle` the hand was certainly idle before it; with `is_begun_late` nothing was watched before that.
+    /// Before its first IU: `C`, `L` and `i` of Algorithm 1 start again with every activity. It may have begun `hidden` frames earlier.
     pub(super) fn new(
         number: u16,
         step: Step,
         context: Context,
         began_ns: u64,
-        (hidden, was_idle, is_begun_late): (u32, bool, bool),
-        end_frames: u32,
+        hidden: u32,
+        doubt: &HandDoubt,
         job: &Job<'_>,
     ) -> Self {
+        let (is_taught, remainder) = (step != Step::Untaught, doubt.remainder());
         let places = core::array::from_fn(|index| {
-            let Some(nominal) = job.activities.get(index) else { return Places::NONE };
-            let places = Places::new(hidden, nominal.ius);
-            match was_idle {
+            let nominal = job.activities.get(index).filter(|_| is_taught);
+            let Some(NominalActivity { ius, .. }) = nominal else { return Places::NONE };
+            let places = Places::new(hidden, ius);
+            match doubt.was_idle() {
                 // The first step that is seen begins its piece, so it does not come once more after all of it.
-                true if is_begun_late => places.after_idle(nominal.ius).before_end(nominal.ius),
-                true if !job.allows_insertions(index) => places.after_idle(nominal.ius),
+                true if remainder == Remainder::Unwatched => places.after_idle(ius).before_end(ius),
+                true if !job.allows_insertions(index) => places.after_idle(ius),
                 _ => places,
             }
         });
@@ -123,7 +133,7 @@ impl OpenActivity {
             number,
             step,
             may_be_passive: false,
-            like: ActivitySet::EMPTY,
+            like: ActivitySet::first(job.activities.len()).when(!is_taught),
             order_note: None,
             broken: None,
             measured: None,
@@ -141,11 +151,10 @@ impl OpenActivity {
             places_before: places,
             newest: (context, Transition::default()),
             transition: Transition::default(),
-            may_be_remainder: hidden == u32::MAX,
-            end_frames,
+            remainder,
+            end_frames: doubt.end_frames(),
             possibly_ended: ActivitySet::EMPTY,
             never_seen: None,
-            is_begun_late: false,
             is_concluded: false,
         }
     }
@@ -379,7 +388,7 @@ impl OpenActivity {
 
     /// Whether it is also certain that all of it comes now, and not only the remainder.
     pub(super) fn is_order_certain(&self) -> bool {
-        self.is_place_certain() && !self.may_be_remainder
+        self.is_place_certain() && self.remainder == Remainder::No
     }
 
     /// Its only IU did not count: it has no verdict.
@@ -398,15 +407,9 @@ impl OpenActivity {
         matches!(self.against, Against::Following(..)) && !self.is_concluded
     }
 
-    /// The context of the newest IU, with parts of the job or without, agrees with these nominal activities. If the IU has certainly happened, it
-    /// agrees with no other. Returns whether it came between those of nominal activities that allow that, as it was seen.
-    pub(super) fn agree(
-        &mut self,
-        job: &Job<'_>,
-        candidates: ActivitySet,
-        has_parts: bool,
-        is_certain: bool,
-    ) -> bool {
+    /// Finds with which nominal activities the context of the newest IU, with parts of the job or without, agrees as it was seen. Returns whether it
+    /// came between those of nominal activities that allow that.
+    pub(super) fn agree(&mut self, job: &Job<'_>, has_parts: bool) -> bool {
         let context = self.newest.0;
         let newest = self.as_seen().wrapping_sub(1);
         let is_newest = |nominal: &usize| {
@@ -420,9 +423,6 @@ impl OpenActivity {
             self.inserted = self.inserted.saturating_add(1);
         }
         self.agreeing = if is_inserted { allowing } else { agreeing };
-        if is_certain {
-            self.keep(candidates | self.agreeing);
-        }
         is_inserted
     }
 
@@ -431,11 +431,6 @@ impl OpenActivity {
         if index + 1 == self.as_seen() {
             self.agreeing = self.agreeing.without(ActivitySet::of(nominal));
         }
-    }
-
-    /// It is no nominal activity.
-    pub(super) fn leave_all(&mut self) {
-        (self.places, self.places_before) = ([Places::NONE; ACTIVITIES], [Places::NONE; ACTIVITIES]);
     }
 
     /// Only these nominal activities have a place.

@@ -1,8 +1,9 @@
 //! Algorithm 1 of the paper (III-D) for the IUs of one hand.
 
-use super::activity::{Against, OpenActivity, Step, context_reason};
+use super::activity::{Against, OpenActivity, Remainder, Step, context_reason};
 use super::comparison::Memory;
 use super::hand::{Finding, HandJudge, OpenIu};
+use super::hand_doubt::HandFlags;
 use super::interrupted::Interrupted;
 use super::observation::IuObservation;
 use super::occlusion::{Cause, OcclusionLog, too_few_frames};
@@ -18,28 +19,20 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if progress.begins_undone(context) {
             self.doubt.forget_remainder();
         }
-        let (hidden, was_idle) = (self.doubt.begin_activity(context), self.doubt.was_idle());
+        let hidden = self.doubt.begin_activity(context);
         let step = match progress.shown_hand(self.side, context) {
             Some(side) => Step::Shown(side),
             None if progress.has_parts_of(context) => Step::Untaught,
             None => Step::Foreign,
         };
         let number = progress.next_activity(self.side, began_ns, hidden == 0, matches!(step, Step::Shown(_)));
-        let end_frames = self.doubt.end_frames();
-        let is_begun_late = self.doubt.may_be_remainder && self.doubt.is_begun_late;
-        let before = (hidden, was_idle, is_begun_late);
-        let mut activity =
-            OpenActivity::new(number, step, context, began_ns, before, end_frames, progress.job);
-        if activity.is_beginning_seen(progress.job) {
-            progress.set_start_seen(number, activity.as_shown(context));
+        let job = progress.job;
+        let mut activity = OpenActivity::new(number, step, context, began_ns, hidden, &self.doubt, job);
+        let shown = activity.as_shown(context);
+        if activity.is_beginning_seen(job) {
+            progress.set_start_seen(number, shown);
         }
-        activity.may_be_passive =
-            progress.may_be_passive(activity.as_shown(context), hidden == 0 || was_idle);
-        activity.is_begun_late = is_begun_late;
-        if step == Step::Untaught {
-            activity.like = ActivitySet::first(progress.job.activities.len());
-            activity.leave_all();
-        }
+        activity.may_be_passive = progress.may_be_passive(shown, hidden == 0 || self.doubt.was_idle());
         self.activity = Some(activity);
         self.note_never_seen(progress);
     }
@@ -85,10 +78,12 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if number > 0 && progress.may_be_matched() {
             progress.set_goes_on_in_next(self.side);
         }
-        let may_be_remainder = number == 0 && self.doubt.may_be_remainder && !was_idle;
+        let may_be_remainder = number == 0 && self.doubt.has(HandFlags::REMAINDER) && !was_idle;
         // A step that was not shown may come between two parts of one activity, so the doubt outlasts it.
-        self.doubt.may_be_remainder &= activity.step == Step::Untaught;
-        self.doubt.is_begun_late &= self.doubt.may_be_remainder;
+        if activity.step != Step::Untaught || !self.doubt.has(HandFlags::REMAINDER) {
+            let remainder = HandFlags::REMAINDER | HandFlags::UNWATCHED;
+            self.doubt.flags = self.doubt.flags.without(remainder);
+        }
         self.iu = Some(OpenIu {
             number,
             context,
@@ -146,11 +141,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     fn begin_with_candidates(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, activity.as_shown(couple.context));
-        let is_certain = self.iu.is_some_and(|iu| iu.is_certain);
         let newest = activity.newest_ius(job);
         let agreeing: ActivitySet = newest.clone().map(|(nominal, _)| nominal).collect();
-        let has_parts = progress.has_parts_of(context);
-        if activity.agree(job, agreeing, has_parts, is_certain) {
+        let is_inserted = activity.agree(job, progress.has_parts_of(context));
+        // An IU that has certainly happened agrees with no other.
+        if self.iu.is_some_and(|iu| iu.is_certain) {
+            activity.keep(agreeing | activity.agreeing);
+        }
+        if is_inserted {
             let nominal = activity.candidates().lowest();
             self.conclude_iu(Finding::right(nominal), progress);
             return;
@@ -225,7 +223,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// The open IU continues with `couple`. Decides what can be decided before its end.
     pub(super) fn continue_iu(&mut self, couple: &Couple, measures: Measures, progress: &mut Progress<'a>) {
-        let is_forgotten = self.activity.is_none() && self.doubt.is_certain() && !self.doubt.may_be_remainder;
+        let is_forgotten =
+            self.activity.is_none() && self.doubt.is_certain() && !self.doubt.has(HandFlags::REMAINDER);
         if is_forgotten {
             self.occlusions.forget();
         } else {
@@ -423,7 +422,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let is_uncaptured = |iu: OpenIu| 2 * iu.captured < iu.observation.frames;
         // Where something of the open IU was hidden, that is the reason.
         let is_seen = self.iu.is_none_or(|iu| iu.observation.assumed == 0);
-        let is_begun_late = is_seen && self.activity.as_ref().is_some_and(|activity| activity.is_begun_late);
+        let is_begun_late = is_seen
+            && self.activity.as_ref().is_some_and(|activity| activity.remainder == Remainder::Unwatched);
         if self.is_broken_off {
             Reason::BrokenOff.into()
         } else if self.iu.is_some_and(is_uncaptured) {

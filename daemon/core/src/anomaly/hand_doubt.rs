@@ -1,11 +1,38 @@
 //! For how many frames something may have come and gone unseen, for one hand.
 
+use super::activity::Remainder;
 use crate::config::Method;
 use crate::couple::{Context, Couple, Unseen};
+use crate::set::Set;
 
 /// After this many times `persist_frames` without contact a hand is certainly empty. The first passes until a contact is known again behind a gap,
 /// and the second until it is believed. In the third the hand comes to rest at what it takes.
 const IDLE_PERSISTS: u32 = 3;
+
+/// What [`HandFlags`] consists of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct HandFlag;
+
+/// What is so of a hand, or may be because not all was seen.
+pub(super) type HandFlags = Set<HandFlag>;
+
+impl HandFlags {
+    /// It was certainly idle in some frame since it last acted.
+    const HAS_BEEN_IDLE: Self = Self::of(0);
+    /// Which of several objects the hand acts on was decided when too little was seen, or before one of them was first seen. It keeps to that one
+    /// until it lets go.
+    const HELD_IN_DOUBT: Self = Self::of(1);
+    /// The hand may have acted on `o_j` and `o_l` before they were first seen.
+    const OBJECT_NEW: Self = Self::of(2);
+    /// One of them was new in the newest couple.
+    const OBJECT_WAS_NEW: Self = Self::of(3);
+    /// The start of the job was not seen, so that this matters wherever it begins.
+    const MAY_BE_NEW: Self = Self::of(4);
+    /// The next activity may be the remainder of one that was not seen to begin.
+    pub(super) const REMAINDER: Self = Self::of(5);
+    /// It may be so because nothing was watched before it.
+    pub(super) const UNWATCHED: Self = Self::of(6);
+}
 
 /// What was not seen of one hand, as far as a verdict may depend on it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,25 +58,11 @@ pub(super) struct HandDoubt {
     since_certain: u32,
     /// In how many frames without a doubtful one between them, up to the couple before the newest, the hand was certainly idle.
     idle_frames: u32,
-    /// It was so in some frame since it last acted.
-    has_been_idle: bool,
-    /// Which of several objects the hand acts on was decided when too little was seen, or before one of them was first seen. It keeps to that one
-    /// until it lets go.
-    is_held_doubtful: bool,
     /// [`hidden_before`](Self::hidden_before) at the newest doubtful couple.
     lately_hidden: u32,
-    /// The hand may have acted on `o_j` and `o_l` before they were first seen.
-    is_object_new: bool,
-    /// Whether one of them was new in the newest couple.
-    was_object_new: bool,
-    /// The start of the job was not seen, so that this matters wherever it begins.
-    may_be_new: bool,
     /// `o_j` of the newest activity that was not judged, or 0.
     unjudged: u16,
-    /// The next activity may be the remainder of one that was not seen to begin.
-    pub(super) may_be_remainder: bool,
-    /// It may be so because nothing was watched before it.
-    pub(super) is_begun_late: bool,
+    pub(super) flags: HandFlags,
 }
 
 impl HandDoubt {
@@ -57,9 +70,7 @@ impl HandDoubt {
     pub(super) fn new(method: &Method) -> Self {
         Self {
             persist_frames: method.persist_frames.into(),
-            may_be_new: true,
-            may_be_remainder: true,
-            is_begun_late: true,
+            flags: HandFlags::MAY_BE_NEW | HandFlags::REMAINDER | HandFlags::UNWATCHED,
             ..Self::default()
         }
     }
@@ -69,20 +80,18 @@ impl HandDoubt {
         (self.hidden_frames, self.gap, self.since_doubt, self.unjudged) = (0, 0, u32::MAX, 0);
         self.clear_frames = None;
         (self.certain, self.since_certain) = (Some(Context::IDLE), 0);
-        (self.may_be_remainder, self.is_begun_late) = (false, false);
-        (self.is_object_new, self.may_be_new) = (false, false);
-        self.is_held_doubtful = false;
+        self.flags = self.flags & (HandFlags::HAS_BEEN_IDLE | HandFlags::OBJECT_WAS_NEW);
     }
 
     /// Nothing is known of what the hand does from now on.
     pub(super) fn lose(&mut self) {
-        (self.since_doubt, self.certain, self.may_be_new) = (0, None, true);
-        self.is_begun_late = true;
+        (self.since_doubt, self.certain) = (0, None);
+        self.flags |= HandFlags::MAY_BE_NEW | HandFlags::UNWATCHED;
     }
 
     /// The encoder has started again: nothing was watched before, so the next activity may be the remainder of one.
     pub(super) fn doubt_beginning(&mut self) {
-        (self.may_be_remainder, self.is_begun_late) = (true, true);
+        self.flags |= HandFlags::REMAINDER | HandFlags::UNWATCHED;
     }
 
     /// Takes the next couple, which comes as many frames after the one before: of a long gap, not all have one.
@@ -91,7 +100,8 @@ impl HandDoubt {
         // A frame in which nothing can have come and gone interrupts nothing.
         let goes_on = is_idle && !self.is_doubtful();
         self.idle_frames = if goes_on { self.idle_frames.saturating_add(is_certain.into()) } else { 0 };
-        self.has_been_idle = (is_idle || !is_certain) && (self.has_been_idle || self.idle_frames > 0);
+        let has_been_idle = self.has(HandFlags::HAS_BEEN_IDLE) || self.idle_frames > 0;
+        self.flags.put(HandFlags::HAS_BEEN_IDLE, (is_idle || !is_certain) && has_been_idle);
         let is_clear = !couple.lacks(Unseen::CONTEXT);
         let missing = frames - 1;
         self.hidden_frames = self.hidden_frames.saturating_add(missing);
@@ -116,13 +126,13 @@ impl HandDoubt {
         self.since_doubt = if is_doubtful { 0 } else { self.since_doubt.saturating_add(is_clear.into()) };
         // The part in a hand may already have been at an object that is seen only now, even if the job's start was seen.
         let is_new = couple.lacks(Unseen::ARRIVAL);
-        let appears = is_new && !self.was_object_new && self.context.is_touch();
-        self.was_object_new = is_new;
+        let appears = is_new && !self.has(HandFlags::OBJECT_WAS_NEW) && self.context.is_touch();
+        self.flags.put(HandFlags::OBJECT_WAS_NEW, is_new);
         self.observe_held(couple);
-        let matters = self.may_be_new || appears || self.is_object_new;
+        let matters = appears || self.has(HandFlags::MAY_BE_NEW | HandFlags::OBJECT_NEW);
         let is_first_seen = is_new && matters;
-        self.is_object_new = is_first_seen || couple.lacks(Unseen::MOVE);
-        self.is_held_doubtful |= is_first_seen && couple.lacks(Unseen::TAKING);
+        self.flags.put(HandFlags::OBJECT_NEW, is_first_seen || couple.lacks(Unseen::MOVE));
+        self.flags |= HandFlags::HELD_IN_DOUBT.when(is_first_seen && couple.lacks(Unseen::TAKING));
         if is_clear && !self.is_doubtful() {
             (self.certain, self.since_certain) = (Some(couple.context), 0);
         } else {
@@ -136,9 +146,24 @@ impl HandDoubt {
     fn observe_held(&mut self, couple: &Couple) {
         let before = core::mem::replace(&mut self.context, couple.context).o_j();
         if ![0, before].contains(&self.context.o_j()) {
-            self.is_held_doubtful = before != 0 && self.is_held_doubtful || self.is_recent();
+            let was_in_doubt = before != 0 && self.has(HandFlags::HELD_IN_DOUBT);
+            self.flags.put(HandFlags::HELD_IN_DOUBT, was_in_doubt || self.is_recent());
         }
-        self.is_held_doubtful &= couple.lacks(Unseen::TAKING);
+        self.flags = self.flags.without(HandFlags::HELD_IN_DOUBT.when(!couple.lacks(Unseen::TAKING)));
+    }
+
+    /// Whether any of these is so.
+    pub(super) fn has(&self, flags: HandFlags) -> bool {
+        self.flags.intersects(flags)
+    }
+
+    /// Whether the next activity may be the remainder of another one.
+    pub(super) fn remainder(&self) -> Remainder {
+        match self.has(HandFlags::UNWATCHED) {
+            _ if !self.has(HandFlags::REMAINDER) => Remainder::No,
+            true => Remainder::Unwatched,
+            false => Remainder::Possible,
+        }
     }
 
     /// Where the context changed with the newest couple, it may have changed as many frames before.
@@ -163,12 +188,14 @@ impl HandDoubt {
     /// The newest couple is not doubtful, and the hand acts on nothing new. Before it the hand was certainly idle, for longer than it takes to see
     /// that it holds something.
     pub(super) fn was_idle(&self) -> bool {
-        self.is_idle_for_long() && !self.is_doubtful() && !self.is_object_new
+        self.is_idle_for_long() && !self.is_doubtful() && !self.is_object_new()
     }
 
     /// An IU begins with the newest couple, in doubt or not. Whether the hand was certainly idle at some time since the one before it.
     pub(super) fn begin_iu(&mut self) -> bool {
-        core::mem::take(&mut self.has_been_idle)
+        let has_been_idle = self.has(HandFlags::HAS_BEEN_IDLE);
+        self.flags = self.flags.without(HandFlags::HAS_BEEN_IDLE);
+        has_been_idle
     }
 
     /// It takes less to see that a hand holds something.
@@ -188,7 +215,7 @@ impl HandDoubt {
 
     /// The hand may have acted on what it acts on before that was first seen.
     pub(super) fn is_object_new(&self) -> bool {
-        self.is_object_new
+        self.has(HandFlags::OBJECT_NEW)
     }
 
     /// In how many frames since the couple before the newest one something may have come and gone.
@@ -199,7 +226,7 @@ impl HandDoubt {
     /// In how many frames something may have come and gone before what begins with the newest couple.
     pub(super) fn hidden_before(&self) -> u32 {
         match self.certain {
-            _ if self.is_object_new => u32::MAX,
+            _ if self.is_object_new() => u32::MAX,
             _ if !self.is_doubtful() => 0,
             Some(_) => self.since_certain.saturating_add(self.persist_frames),
             None => u32::MAX,
@@ -211,23 +238,23 @@ impl HandDoubt {
     pub(super) fn begin_activity(&mut self, context: Context) -> u32 {
         let is_same = self.certain.is_some_and(|certain| certain.o_j() == context.0[1]);
         let is_remainder =
-            is_same && self.is_doubtful() || self.is_object_new || self.unjudged == context.0[1];
-        let hidden = if self.may_be_remainder || is_remainder {
+            is_same && self.is_doubtful() || self.is_object_new() || self.unjudged == context.0[1];
+        let hidden = if is_remainder || self.has(HandFlags::REMAINDER) {
             u32::MAX
         } else if self.since_doubt <= self.min_idle_frames() {
             self.lately_hidden
         } else {
             self.hidden_before()
         };
-        self.may_be_remainder |= hidden == u32::MAX;
+        self.flags |= HandFlags::REMAINDER.when(hidden == u32::MAX);
         self.unjudged = 0;
         hidden
     }
 
     /// What begins now is not the remainder of anything.
     pub(super) fn forget_remainder(&mut self) {
-        (self.may_be_remainder, self.is_object_new, self.unjudged) = (false, false, 0);
-        self.is_begun_late = false;
+        let remainder = HandFlags::REMAINDER | HandFlags::UNWATCHED | HandFlags::OBJECT_NEW;
+        (self.flags, self.unjudged) = (self.flags.without(remainder), 0);
     }
 
     /// An activity with this object was not judged.
@@ -242,12 +269,12 @@ impl HandDoubt {
 
     /// Whether an IU that begins with this context may have begun before. It goes on from before a doubt, or an object was seen for the first time.
     pub(super) fn may_go_on(&self, context: Context) -> bool {
-        self.is_object_new || self.is_doubtful() && self.certain.is_none_or(|certain| certain == context)
+        self.is_object_new() || self.is_doubtful() && self.certain.is_none_or(|certain| certain == context)
     }
 
     /// Whether the hand may still hold another object than the one that it is said to act on.
     pub(super) fn may_hold_another(&self) -> bool {
-        self.context.o_j() != 0 && self.is_held_doubtful
+        self.context.o_j() != 0 && self.has(HandFlags::HELD_IN_DOUBT)
     }
 
     /// Whether the hand may go on with what it touched before a doubt.

@@ -95,6 +95,7 @@ use crate::job::{Job, NominalIu};
 use crate::segment::{self, JobSegmenter};
 use crate::verdict::Verdict;
 use hand::HandJudge;
+use hand_doubt::HandFlags;
 use occlusion::OcclusionLog;
 use progress::Progress;
 use twice::Twice;
@@ -374,7 +375,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             let hands = bench.hands.iter_mut().zip(&couples.hands);
             hands
                 .filter(|(_, couple)| !couple.is_hand_seen())
-                .for_each(|(hand, _)| hand.doubt.may_be_remainder = true);
+                .for_each(|(hand, _)| hand.doubt.flags |= HandFlags::REMAINDER);
         }
         if couples.lacks(Unseen::MOVER) {
             bench.progress.set_moved_unseen();

@@ -2,6 +2,7 @@
 
 use super::comparison::Memory;
 use super::hand::{Finding, HandJudge};
+use super::hand_doubt::HandFlags;
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
 use crate::couple::Context;
@@ -81,7 +82,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             let mut continuations = activity.continuations(job);
             // The job has its verdict, so a touch begins another activity, which may be the remainder of this one.
             if progress.is_concluded() {
-                self.doubt.may_be_remainder |= !continuations.is_empty();
+                self.doubt.flags |= HandFlags::REMAINDER.when(!continuations.is_empty());
                 continuations.clear();
             }
             segmenter.activity_matched(&self.by_this_hand(continuations));
@@ -133,7 +134,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             Some(nominal) => self.conclude_matched(nominal, false, progress),
             // What is missing may have happened unseen, and the activity may have been another one, or may still go on.
             None if may_go_on && !activity.is_concluded => {
-                self.doubt.may_be_remainder = true;
+                self.doubt.flags |= HandFlags::REMAINDER;
                 progress.set_doubtful();
                 self.conclude_activity(Finding::of(Outcome::NotJudged, cause, nearest), false, progress);
             }
