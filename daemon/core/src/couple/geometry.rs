@@ -22,6 +22,11 @@ pub(crate) fn norm(a: Point) -> f32 {
     libm::sqrtf(dot(a, a))
 }
 
+/// The distance of two points.
+pub(crate) fn distance(one: Point, other: Point) -> f32 {
+    norm(subtract(one, other))
+}
+
 /// The squared distance of two points.
 pub(crate) fn squared_distance(one: Point, other: Point) -> f32 {
     let apart = subtract(one, other);
@@ -123,10 +128,7 @@ impl Cloud {
     /// Whether a point of this cloud is within a distance of the given point.
     pub(super) fn comes_within(&self, distance: f32, of: Point) -> bool {
         let [x, y, z] = &self.coordinates;
-        (0..self.count).any(|i| {
-            let apart = subtract([x[i], y[i], z[i]], of);
-            dot(apart, apart) <= distance * distance
-        })
+        (0..self.count).any(|i| squared_distance([x[i], y[i], z[i]], of) <= distance * distance)
     }
 
     /// Minimum distance between a point of this cloud and a point of the other.

@@ -126,31 +126,17 @@ impl Parabola {
 
 /// Turns kinematics into the integers of `x_m`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Quantiser {
-    bins: u8,
-    rest_speed_m_s: f32,
-    dead_band_m_s2: f32,
-    space: Space,
-}
+pub(super) struct Quantiser(pub(super) Method);
 
 impl Quantiser {
-    pub(super) fn new(method: &Method) -> Self {
-        Self {
-            bins: method.bins,
-            rest_speed_m_s: method.rest_speed_m_s,
-            dead_band_m_s2: method.dead_band_m_s2,
-            space: method.space,
-        }
-    }
-
     /// Whether this is no motion.
     pub(super) fn is_at_rest(&self, motion: &Kinematics) -> bool {
-        norm(motion.velocity) < self.rest_speed_m_s
+        norm(motion.velocity) < self.0.rest_speed_m_s
     }
 
     /// The sign of the tangential acceleration: -1, 0 or 1. At rest there is no tangent and the sign is 0.
     pub(super) fn sign(&self, motion: &Kinematics) -> i8 {
-        if self.is_at_rest(motion) || motion.tangential.abs() < self.dead_band_m_s2 {
+        if self.is_at_rest(motion) || motion.tangential.abs() < self.0.dead_band_m_s2 {
             0
         } else if motion.tangential > 0.0 {
             1
@@ -174,10 +160,10 @@ impl Quantiser {
             return [0; 2];
         }
         let [x, y, z] = rotated(motion.velocity, inverse(frame));
-        let width = TAU / f32::from(self.bins);
+        let width = TAU / f32::from(self.0.bins);
         let azimuth = libm::atan2f(y, x);
-        let around = libm::floorf((azimuth + PI * 2.0) / width + 0.5) as i32 % i32::from(self.bins);
-        let elevation = match self.space {
+        let around = libm::floorf((azimuth + PI * 2.0) / width + 0.5) as i32 % i32::from(self.0.bins);
+        let elevation = match self.0.space {
             Space::Plane => 0,
             Space::Metric => {
                 let angle = libm::atan2f(z, libm::sqrtf(x * x + y * y)) + FRAC_PI_2;
@@ -195,7 +181,7 @@ mod tests {
     use crate::couple::geometry::about_z;
 
     fn quantiser(space: Space) -> Quantiser {
-        Quantiser::new(&Method { space, ..Method::default() })
+        Quantiser(Method { space, ..Method::default() })
     }
 
     fn precision() -> Precision {

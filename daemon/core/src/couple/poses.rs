@@ -2,7 +2,8 @@
 //! and so does a hidden hand with what it carries.
 
 use super::geometry::{
-    Cloud, Quaternion, about_z, add, inverse, is_finite, norm, rotated, rotation_after, subtract, unit, yaw,
+    Cloud, Quaternion, about_z, add, distance, inverse, is_finite, rotated, rotation_after, subtract, unit,
+    yaw,
 };
 use crate::capacity::PERSIST_FRAMES;
 use crate::input::{Hand, Object, Point, Space};
@@ -161,7 +162,7 @@ impl HandPose {
     /// Whether the hand may be at what is within `radius_m` of this point of the bench.
     pub(super) fn is_over(&self, point: Point, radius_m: f32) -> bool {
         let mut parts = self.tips.iter().chain(core::iter::once(&self.middle_knuckle));
-        let is_near = |part: &Point| norm(subtract(*part, point)) < COVERED_M + radius_m;
+        let is_near = |part: &Point| distance(*part, point) < COVERED_M + radius_m;
         self.source != Source::Never && parts.any(is_near)
     }
 
@@ -169,7 +170,7 @@ impl HandPose {
     pub(super) fn covers(&self, point: Point) -> bool {
         // The forearm goes on from the wrist in the direction of the palm.
         let forearm = add(self.wrist, subtract(self.wrist, self.middle_knuckle));
-        let hides = |part: Point| norm(subtract(part, point)) < COVERED_M;
+        let hides = |part: Point| distance(part, point) < COVERED_M;
         self.source == Source::Seen && (self.is_over(point, 0.0) || hides(self.wrist) || hides(forearm))
     }
 

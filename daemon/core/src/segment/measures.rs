@@ -1,7 +1,7 @@
 //! What is measured of an IU in metres. DTW forgives a motion that was cut short, repeated too often or made small; measures do not.
 
 use super::way::Way;
-use crate::couple::geometry::{norm, subtract};
+use crate::couple::geometry::distance;
 pub use crate::couple::noise::MOVED_M;
 use crate::input::Point;
 
@@ -195,10 +195,6 @@ impl Meter {
             is_error_known: self.is_error_known,
         }
     }
-}
-
-pub(super) fn distance(a: Point, b: Point) -> f32 {
-    norm(subtract(a, b))
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 //! A detour that is spread over the whole way makes it hardly longer. So the largest distance from the straight line is measured as well. With it
 //! such a detour is found in 29 of 30 ways, without it in 7.
 
-use super::measures::{MOVED_M, distance};
-use crate::couple::geometry::{dot, subtract};
+use super::measures::MOVED_M;
+use crate::couple::geometry::{distance, dot, squared_distance, subtract};
 use crate::input::Point;
 use heapless::Vec;
 
@@ -87,8 +87,7 @@ fn squared_distance_from_line(point: Point, from: Point, to: Point) -> f32 {
     let (along, off) = (subtract(to, from), subtract(point, from));
     let squared_length = dot(along, along);
     let share = if squared_length > 0.0 { (dot(off, along) / squared_length).clamp(0.0, 1.0) } else { 0.0 };
-    let apart = subtract(off, along.map(|length| share * length));
-    dot(apart, apart)
+    squared_distance(off, along.map(|length| share * length))
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@
 //! Nearness is how some people have been shown to hold an object, and others hold it elsewhere. An object that moves with one hand alone is in that
 //! hand if the finger tips are near enough. That is a hand's width from where the runs hold it, or within reach where no run shows it.
 
-use super::super::geometry::{dot, norm, subtract};
+use super::super::geometry::{distance, dot, norm, subtract};
 use super::super::poses::Source;
 use super::Scene;
 use crate::capacity::{HANDS, OBJECTS};
@@ -150,7 +150,7 @@ impl Scene {
     fn goes_away(&self, object: usize, age: usize) -> bool {
         let seen = |age: usize| self.seen_object(object, age);
         let way = seen(age).zip(self.newest_known(age, seen));
-        way.is_some_and(|(from, (_, to))| norm(subtract(to, from)) > self.hand_contact(object).on_m)
+        way.is_some_and(|(from, (_, to))| distance(to, from) > self.hand_contact(object).on_m)
     }
 
     /// Whether a hand that has led an object may still hold it: it has not been seen to move along it or away from it.
@@ -249,7 +249,7 @@ impl Scene {
             is_known.then(|| subtract(one.position, other.position))
         };
         let (from, (newest, to)) = apart(age).zip(self.newest_known(age, apart))?;
-        Some((newest, norm(subtract(to, from))))
+        Some((newest, distance(to, from)))
     }
 
     pub(super) fn are_seen(&self, i: usize, j: usize, age: usize) -> bool {
@@ -302,7 +302,7 @@ impl Scene {
         };
         let moved = apart(age).zip(self.newest_known(age, apart));
         self.kinematics(age, apart).is_some_and(|motion| self.quantiser.is_at_rest(&motion))
-            && moved.is_some_and(|(from, (_, to))| norm(subtract(to, from)) <= self.rest_m())
+            && moved.is_some_and(|(from, (_, to))| distance(to, from) <= self.rest_m())
     }
 
     /// Whether a displacement of `path_m` from one frame to another is rest. The frames must span most of the window, because a shorter time does not
@@ -384,7 +384,7 @@ impl Scene {
         let (newest, to) = self.newest_known(age, positions)?;
         // What came before this frame does not count.
         let share = (age - newest) as f32 / (oldest - newest) as f32;
-        let moved = |frame: usize| share * norm(subtract(to[frame], from[frame]));
+        let moved = |frame: usize| share * distance(to[frame], from[frame]);
         Some((newest, f32::min(moved(0), moved(1))))
     }
 

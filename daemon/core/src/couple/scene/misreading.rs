@@ -4,7 +4,7 @@
 //! this rule two markers that are taken for each other make every path too long.
 
 use crate::config::Method;
-use crate::couple::geometry::{add, norm, subtract};
+use crate::couple::geometry::{add, distance, subtract};
 use crate::couple::poses::{Fix, Source};
 use crate::input::Point;
 
@@ -31,7 +31,7 @@ impl Misreading {
             return true;
         }
         let is_reached = is_reached(fixes, seen, newest.unseen.saturating_add(1), method);
-        let stays = self.frames > 0 && is_within_reach(self.newest, seen, 1, method);
+        let stays = self.frames > 0 && distance(self.newest, seen) <= reach_m(1, method);
         let is_believed = is_reached && !stays || self.frames >= method.persist_frames;
         *self = if is_believed { Self::default() } else { Self { newest: seen, frames: self.frames + 1 } };
         is_believed
@@ -55,15 +55,7 @@ pub(super) fn off_course_m([newest, before]: [Fix; 2], seen: Point) -> f32 {
         [0.0; 3]
     };
     let ahead = [from, add(from, step.map(|step| step * frames as f32))];
-    ahead.iter().map(|ahead| apart_m(*ahead, seen)).fold(f32::INFINITY, f32::min)
-}
-
-fn is_within_reach(from: Point, to: Point, frames: u32, method: &Method) -> bool {
-    apart_m(from, to) <= reach_m(frames, method)
-}
-
-fn apart_m(from: Point, to: Point) -> f32 {
-    norm(subtract(to, from))
+    ahead.iter().map(|ahead| distance(*ahead, seen)).fold(f32::INFINITY, f32::min)
 }
 
 /// How far what is pushed for as many frames comes off its course, in metres.

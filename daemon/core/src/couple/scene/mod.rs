@@ -136,7 +136,7 @@ impl Scene {
         objects.sort_unstable_by_key(|node| node.shape.id);
         Self {
             method,
-            quantiser: Quantiser::new(&method),
+            quantiser: Quantiser(method),
             // At most a minute of 240 Hz, see `Method::check`.
             blind_frames: libm::ceil(f64::from(method.blind_ms) * f64::from(method.rate_hz) / 1000.0) as u32,
             precision: Precision::new(&method),

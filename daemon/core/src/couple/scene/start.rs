@@ -4,7 +4,7 @@
 //! done.
 
 use super::Scene;
-use crate::couple::geometry::{norm, subtract};
+use crate::couple::geometry::distance;
 use crate::couple::interaction::Interaction;
 use crate::couple::poses::Source;
 
@@ -33,6 +33,6 @@ impl Scene {
     fn lies(&self, object: usize, age: usize) -> bool {
         let seen = |age: usize| self.seen_object(object, age);
         let moved = seen(age).zip(self.newest_known(age, seen));
-        moved.is_some_and(|(from, (newest, to))| self.shows_rest(age, newest, norm(subtract(to, from))))
+        moved.is_some_and(|(from, (newest, to))| self.shows_rest(age, newest, distance(to, from)))
     }
 }

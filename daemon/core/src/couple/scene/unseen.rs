@@ -2,7 +2,7 @@
 
 use super::super::Visibility;
 use super::super::contact;
-use super::super::geometry::{norm, subtract};
+use super::super::geometry::distance;
 use super::super::interaction::Interaction;
 use super::super::noise::{MOVED_M, has_moved};
 use super::super::poses::{HandPose, ObjectPose, Recent, Source};
@@ -84,7 +84,7 @@ impl Scene {
             let is_farther = |min_m: f32| {
                 [now.zip(before), before.zip(first), now.zip(first)]
                     .iter()
-                    .all(|pair| pair.is_some_and(|(to, from)| norm(subtract(to, from)) > min_m))
+                    .all(|pair| pair.is_some_and(|(to, from)| distance(to, from) > min_m))
             };
             is_farther(self.rest_m())
                 && is_farther(self.objects[object].drift.max_bound_m())
