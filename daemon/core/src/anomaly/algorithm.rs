@@ -162,7 +162,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress.note_another_piece(self.side, agreeing, come);
         if context.is_touch() {
             for (nominal, index) in newest {
-                self.comparisons.add(job, nominal, index);
+                self.comparisons.add(nominal, index);
             }
             if self.doubt.gap() > 0 {
                 self.comparisons.append_unknown();
@@ -178,7 +178,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             .filter(|_| !(activity.is_out_of_sequence() && activity.may_be_right()));
         match found {
             Some((nominal, index)) if context.is_touch() => {
-                self.comparisons.add(job, nominal, index);
+                self.comparisons.add(nominal, index);
             }
             // A release state is judged by its context alone, which is right.
             Some(_) => {}

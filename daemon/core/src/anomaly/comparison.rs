@@ -89,16 +89,7 @@ pub(super) struct Comparisons<'a, M> {
     comparisons: Vec<Comparison<'a>, ACTIVITIES>,
     /// One for each comparison in the same order, then unused ones. They are made once, because their rows are long.
     distances: M,
-    rules: Rules,
-}
-
-/// What all comparisons of a job share.
-#[derive(Clone, Copy, Debug)]
-struct Rules {
-    /// [`Job::max_slowdown`].
-    max_slowdown: f32,
-    /// [`Job::has_free_ends`].
-    has_free_ends: bool,
+    job: &'a Job<'a>,
     /// The frame rate of the grid.
     rate_hz: f32,
 }
@@ -110,8 +101,7 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
         let touch = job.activities.iter().flat_map(|nominal| nominal.ius).find(|iu| iu.context.is_touch());
         let spare = touch.and_then(|iu| OnlineDtw::new(&costs, iu.reference).ok());
         let distances = spare.iter().cycle().take(needed(job)).cloned().collect();
-        let rules = Rules { max_slowdown: job.max_slowdown, has_free_ends: job.has_free_ends, rate_hz };
-        Self { comparisons: Vec::new(), distances, rules }
+        Self { comparisons: Vec::new(), distances, job, rate_hz }
     }
 
     pub(super) fn clear(&mut self) {
@@ -125,7 +115,7 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
     /// Whether the two parts of the open IU were shown to be at rest beside each other.
     pub(super) fn were_shown_at_rest(&self) -> bool {
         let rests = |comparison: &Comparison<'_>| {
-            let (reference, ends) = (comparison.iu.reference, usize::from(self.rules.has_free_ends));
+            let (reference, ends) = (comparison.iu.reference, usize::from(self.job.has_free_ends));
             let shown = reference.get(ends..reference.len().saturating_sub(ends));
             shown.is_some_and(|shown| shown.iter().any(Motion::is_pair_at_rest))
         };
@@ -140,8 +130,8 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
     }
 
     /// Adds a nominal IU that has the context of the open one. There is room for all.
-    pub(super) fn add(&mut self, job: &'a Job<'a>, nominal: usize, index: usize) {
-        let ius = job.activities[nominal].ius;
+    pub(super) fn add(&mut self, nominal: usize, index: usize) {
+        let ius = self.job.activities[nominal].ius;
         let iu = &ius[index];
         // An activity of one IU may come again behind it.
         let is_unique = ius.len() > 1 && ius.iter().filter(|other| other.context == iu.context).count() == 1;
@@ -149,7 +139,7 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
             // The lengths were checked when the judge was made, so this does not fail.
             if distance.begin(iu.reference).is_ok() {
                 // There is room for a first frame.
-                if self.rules.has_free_ends {
+                if self.job.has_free_ends {
                     let _ = distance.append(&Motion::at_rest(iu.context));
                 }
                 let newest = [f64::INFINITY; 1 + BORDER_FRAMES];
@@ -170,7 +160,7 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
     /// # Errors
     /// If the IU is too long to be compared.
     pub(super) fn append(&mut self, motion: &Motion) -> Result<(), Refused> {
-        let has_free_ends = self.rules.has_free_ends;
+        let has_free_ends = self.job.has_free_ends;
         for (comparison, distance) in self.open() {
             distance.append(motion)?;
             if has_free_ends && comparison.iu.context.is_pair() {
@@ -186,7 +176,7 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
     /// # Errors
     /// As [`append`](Self::append).
     pub(super) fn end(&mut self) -> Result<(), Refused> {
-        let Some(one) = self.comparisons.first().filter(|_| self.rules.has_free_ends) else { return Ok(()) };
+        let Some(one) = self.comparisons.first().filter(|_| self.job.has_free_ends) else { return Ok(()) };
         let rest = Motion::at_rest(one.iu.context);
         self.open().try_for_each(|(_, distance)| distance.append(&rest))
     }
@@ -209,17 +199,16 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
     pub(super) fn all_lost(&mut self, observation: IuObservation) -> bool {
         for (comparison, distance) in self.comparisons.iter_mut().zip(self.distances.as_ref()) {
             comparison.is_lost |=
-                result(comparison, distance, observation, self.rules).reason != Reason::None;
+                result(comparison, distance, observation, self.job, self.rate_hz).reason != Reason::None;
         }
         self.comparisons.iter().all(|comparison| comparison.is_lost)
     }
 
     /// The results of all comparisons.
     pub(super) fn results(&self, observation: IuObservation) -> impl Iterator<Item = ComparisonResult> {
-        self.comparisons
-            .iter()
-            .zip(self.distances.as_ref())
-            .map(move |(comparison, distance)| result(comparison, distance, observation, self.rules))
+        self.comparisons.iter().zip(self.distances.as_ref()).map(move |(comparison, distance)| {
+            result(comparison, distance, observation, self.job, self.rate_hz)
+        })
     }
 
     /// The nearest result of those that are right, or of all if none is.
@@ -236,7 +225,8 @@ fn result(
     comparison: &Comparison<'_>,
     dtw: &OnlineDtw<'_>,
     observation: IuObservation,
-    rules: Rules,
+    job: &Job<'_>,
+    rate_hz: f32,
 ) -> ComparisonResult {
     let NominalIu { frames, reference, threshold, .. } = *comparison.iu;
     let whole = dtw.distance().filter(|_| observation.ended && !comparison.is_lost);
@@ -244,8 +234,8 @@ fn result(
     let distance = comparison.newest.into_iter().skip(1).fold(distance, f64::min);
     // An open IU may still become as slow as the bounds allow.
     let length = if observation.ended { observation.worked_frames() } else { frames.max };
-    let length = length.saturating_add(2 * u32::from(rules.has_free_ends));
-    let threshold = threshold * slowdown_factor(length, reference.len(), rules.max_slowdown);
+    let length = length.saturating_add(2 * u32::from(job.has_free_ends));
+    let threshold = threshold * slowdown_factor(length, reference.len(), job.max_slowdown);
     let reason_of = |broken: Option<(Reason, Measure)>, threshold: f32| match broken {
         Some((reason, _)) => reason,
         None if distance > f64::from(threshold) => Reason::Motion,
@@ -262,7 +252,7 @@ fn result(
     let reason = reason_of(broken, max);
     let is_doubtful =
         !is_certain && reason != Reason::None || observation.explains(reason, comparison.is_unique);
-    let measured = broken.and_then(|broken| observation.measured(comparison.iu, broken, rules.rate_hz));
+    let measured = broken.and_then(|broken| observation.measured(comparison.iu, broken, rate_hz));
     let Comparison { nominal, index, .. } = *comparison;
     ComparisonResult { nominal, index, reason, distance, threshold, measured, is_doubtful }
 }

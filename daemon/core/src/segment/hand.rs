@@ -38,8 +38,6 @@ struct OpenActivity {
     began_ns: u64,
     /// When the last of its IUs that have ended did so.
     ended_ns: u64,
-    /// It equals a nominal activity, to its last IU.
-    matched: bool,
 }
 
 /// Segments the couples of one hand (paper III-B).
@@ -70,8 +68,8 @@ pub struct Segmenter {
     /// In how many frames in a row, up to now, it was not clear what the hand does.
     unclear: u32,
     activity: Option<OpenActivity>,
-    /// Contexts with which a longer nominal activity would continue.
-    continuations: Vec<Context, ACTIVITIES>,
+    /// Once that equals a nominal activity, to its last IU: the contexts with which a longer one would continue.
+    continuations: Option<Vec<Context, ACTIVITIES>>,
 }
 
 impl Segmenter {
@@ -92,7 +90,7 @@ impl Segmenter {
             ways: [const { Way::after(0) }; 2],
             unclear: 0,
             activity: None,
-            continuations: Vec::new(),
+            continuations: None,
         })
     }
 
@@ -147,19 +145,16 @@ impl Segmenter {
         let touches = hand != 0 && (self.context.0[0] == 0 || self.context.0[1] != j);
         touches
             && self.activity.is_none_or(|activity| {
-                let other = activity.context.0[1] != j;
-                other || activity.matched && !self.continuations.contains(&couple.context)
+                let goes_on = |next: &Vec<_, _>| next.contains(&couple.context);
+                activity.context.0[1] != j || !self.continuations.as_ref().is_none_or(goes_on)
             })
     }
 
     /// The activity has matched a nominal activity to its last IU. If its first object is touched again, that begins a new one, unless the context is
     /// one of `continuations`. At most [`ACTIVITIES`] contexts, the maximum number of candidates, are used.
     pub fn activity_matched(&mut self, continuations: &[Context]) {
-        if let Some(activity) = &mut self.activity {
-            activity.matched = true;
-            self.continuations.clear();
-            self.continuations.extend(continuations.iter().take(ACTIVITIES).copied());
-        }
+        let known = || continuations.iter().take(ACTIVITIES).copied().collect();
+        self.continuations = self.activity.map(|_| known());
     }
 
     /// The IU that has ended last is not over, because the hand let go in the middle of its activity. A touch in the same context goes on with it.
@@ -194,8 +189,8 @@ impl Segmenter {
 
     fn begin_activity(&mut self, couple: &Couple, emit: &mut impl FnMut(Event)) {
         let (context, began_ns) = (couple.context, couple.captured_ns);
-        self.activity = Some(OpenActivity { context, began_ns, ended_ns: began_ns, matched: false });
-        self.continuations.clear();
+        self.activity = Some(OpenActivity { context, began_ns, ended_ns: began_ns });
+        self.continuations = None;
         self.is_interrupted = false;
         emit(Event::ActivityBegan { side: self.side, context, began_ns });
     }
@@ -219,10 +214,8 @@ impl Segmenter {
             measures: Measures::default(),
             is_in_sight: true,
         };
-        if let Some(activity) = &mut self.activity {
-            // It continues, so whether it matches is open again.
-            activity.matched = false;
-        }
+        // The activity continues, so whether it matches is open again.
+        self.continuations = None;
         let is_interrupted = core::mem::take(&mut self.is_interrupted);
         self.iu = self.ended.take().filter(|iu| is_interrupted && iu.so_far.context == context);
         let side = self.side;

@@ -86,17 +86,14 @@ pub(super) struct Meter {
     reversals: u32,
     /// The sum of the lengths of whole strokes.
     strokes_m: f32,
-    /// A movement of less is none, in metres.
-    moved_m: f32,
-    /// Whether the newest position came with its drift.
-    is_error_known: bool,
+    /// The drift that came with the newest position, in metres; 0 where it is not known.
+    drift_m: f32,
 }
 
 impl Meter {
     /// Takes the next frame, with the position if it is known. What is shorter than `drift_m` may be errors.
     pub(super) fn push(&mut self, position: Option<Point>, drift_m: f32) {
-        self.moved_m = MOVED_M.max(drift_m);
-        self.is_error_known = drift_m > 0.0;
+        self.drift_m = drift_m;
         self.frames = self.frames.saturating_add(1);
         let Some(position) = position else {
             self.unknown = self.unknown.saturating_add(1);
@@ -131,10 +128,15 @@ impl Meter {
         self.hidden += if unknown > 1 { unknown as f32 } else { SINGLE_FRAME * unknown as f32 };
     }
 
+    /// A movement of less is none, in metres.
+    fn moved_m(&self) -> f32 {
+        MOVED_M.max(self.drift_m)
+    }
+
     /// Steps of at least `moved_m`, so that neither noise nor the frame rate lengthens the path.
     fn walk(&mut self, from: Point, to: Point) {
         let step_m = distance(from, to);
-        if step_m < self.moved_m {
+        if step_m < self.moved_m() {
             return;
         }
         self.step = Some(to);
@@ -154,7 +156,7 @@ impl Meter {
             // To and fro.
             self.cut_reversals = self.cut_reversals.saturating_add(2 * u32::from(self.may_have_reversed()));
             self.farthest = position;
-        } else if length_m > self.moved_m && distance(self.farthest, position) > self.moved_m {
+        } else if length_m > self.moved_m() && distance(self.farthest, position) > self.moved_m() {
             // What comes before the first reversal is the way to the first stroke.
             self.strokes_m += if self.reversals > 0 { length_m } else { 0.0 };
             self.reversals = self.reversals.saturating_add(1);
@@ -169,7 +171,7 @@ impl Meter {
 
     /// Whether the motion may have come back too little to count only because the frame in which it was farthest is missing.
     fn may_have_reversed(&self) -> bool {
-        self.has_gap && self.returned_m > self.moved_m / 2.0
+        self.has_gap && self.returned_m > self.moved_m() / 2.0
     }
 
     /// The measures so far, with those of the way of which the IU is the newest part.
@@ -192,7 +194,7 @@ impl Meter {
             cut_reversals: ended.cut_reversals.saturating_add(ended.may_have_reversed().into()),
             cut_strokes: self.cut_strokes,
             hidden: (ended.hidden / frames).min(1.0),
-            is_error_known: self.is_error_known,
+            is_error_known: self.drift_m > 0.0,
         }
     }
 }
