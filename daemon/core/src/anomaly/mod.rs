@@ -401,7 +401,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         let begins_next = couples.hands.iter().any(|couple| {
             let may_go_on = bench.hands[couple.side.index()].doubt.may_go_on_touching(couple.context);
             segmenter.begins_activity(couple)
-                && bench.progress.begins_next_job(couple.side, couple.context, is_disturbed, may_go_on)
+                && bench.progress.begins_next_job(couple, is_disturbed, may_go_on)
         });
         // What comes out wrong only now may be done again in this job.
         let wrong = bench.progress.wrong();

@@ -61,8 +61,8 @@ pub struct Segmenter {
     iu: Option<OpenIu>,
     /// The newest IU that has ended, until it is known that it is over.
     ended: Option<OpenIu>,
-    /// A touch in its context goes on with it.
-    is_interrupted: bool,
+    /// That one, if it is not over: a touch in its context goes on with it.
+    interrupted: Option<OpenIu>,
     /// The way of the hand with `o_j`, which ends where that leaves the `o_l` that it came to, and the way that begins there.
     ways: [Way; 2],
     /// In how many frames in a row, up to now, it was not clear what the hand does.
@@ -86,7 +86,7 @@ impl Segmenter {
             context: Context::IDLE,
             iu: None,
             ended: None,
-            is_interrupted: false,
+            interrupted: None,
             ways: [const { Way::after(0) }; 2],
             unclear: 0,
             activity: None,
@@ -159,7 +159,7 @@ impl Segmenter {
 
     /// The IU that has ended last is not over, because the hand let go in the middle of its activity. A touch in the same context goes on with it.
     pub fn interrupt(&mut self) {
-        self.is_interrupted = true;
+        self.interrupted = self.ended.take().or(self.interrupted);
     }
 
     /// Ends the open IU and the open activity at `ended_ns`. A touch that continues begins nothing until the hand has let go.
@@ -191,7 +191,7 @@ impl Segmenter {
         let (context, began_ns) = (couple.context, couple.captured_ns);
         self.activity = Some(OpenActivity { context, began_ns, ended_ns: began_ns });
         self.continuations = None;
-        self.is_interrupted = false;
+        self.interrupted = None;
         emit(Event::ActivityBegan { side: self.side, context, began_ns });
     }
 
@@ -216,8 +216,8 @@ impl Segmenter {
         };
         // The activity continues, so whether it matches is open again.
         self.continuations = None;
-        let is_interrupted = core::mem::take(&mut self.is_interrupted);
-        self.iu = self.ended.take().filter(|iu| is_interrupted && iu.so_far.context == context);
+        self.ended = None;
+        self.iu = self.interrupted.take().filter(|iu| iu.so_far.context == context);
         let side = self.side;
         if self.iu.is_some() {
             emit(Event::IuResumed { side });

@@ -9,20 +9,20 @@ use crate::set::ActivitySet;
 
 impl Progress<'_> {
     /// Takes the next couples, which come as many frames after those before. Nobody watches where no frame came, or one that shows neither a hand nor all that lay on the bench.
-    pub(in crate::anomaly) fn watch(&mut self, couples: &Couples, frames: u32) {
+    pub(crate) fn watch(&mut self, couples: &Couples, frames: u32) {
         let is_any_seen = couples.hands.iter().any(Couple::is_hand_seen) || !couples.lacks(Unseen::BENCH);
         let is_watched = !couples.lacks(Unseen::FRAME) && is_any_seen;
         self.unwatched = self.unwatched.saturating_add(frames - u32::from(is_watched));
     }
 
     /// A hand is seen to do a step of the job: from here on the piece is the same while it is watched.
-    pub(in crate::anomaly) fn see_step(&mut self) {
+    pub(crate) fn see_step(&mut self) {
         self.unwatched = 0;
     }
 
     /// A hand begins the IU with this number of one of these nominal activities. Takes note of whether it may belong to another piece than what came
     /// before. For that, nobody watched for as long as the quickest run needs to end this piece and to come to this IU in another.
-    pub(in crate::anomaly) fn note_another_piece(&mut self, side: Side, nominal: ActivitySet, ius: usize) {
+    pub(crate) fn note_another_piece(&mut self, side: Side, nominal: ActivitySet, ius: usize) {
         let fits = |nominal: &NominalActivity<'_>| self.unwatched >= self.exchange(side, nominal, ius);
         let all = self.job.activities;
         if self.state.is_open && nominal.iter().filter_map(|nominal| all.get(nominal)).any(fits) {
@@ -76,6 +76,6 @@ impl Progress<'_> {
 }
 
 /// In how few frames these IUs may have come.
-pub(in crate::anomaly) fn quickest(ius: &[NominalIu<'_>]) -> u32 {
+pub(crate) fn quickest(ius: &[NominalIu<'_>]) -> u32 {
     ius.iter().map(NominalIu::quickest).fold(0, u32::saturating_add)
 }

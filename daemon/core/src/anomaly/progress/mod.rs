@@ -395,21 +395,15 @@ impl<'a> Progress<'a> {
         self.unseen | self.state.may_precede
     }
 
-    /// The number in this job of an activity that this hand begins, whether it was seen to begin then, and whether it is a step.
-    pub(super) fn next_activity(
-        &mut self,
-        side: Side,
-        began_ns: u64,
-        is_begin_seen: bool,
-        is_step: bool,
-    ) -> u16 {
+    /// The number in this job of an activity that this hand begins, whether it is seen to begin then, and whether it is a step.
+    pub(super) fn next_activity(&mut self, side: Side, began_ns: u64, is_seen: bool, is_step: bool) -> u16 {
         let other = side.other();
         let came = self.state.done | self.state.wrong;
         let [as_seen, may_be] =
             [&self.state.underway, &self.state.may_be_underway].map(|all| all[other.index()]);
         self.state.begins[side.index()] = Begin {
             ns: began_ns,
-            seen_ns: if is_begin_seen { began_ns } else { 0 },
+            seen_ns: if is_seen { began_ns } else { 0 },
             came,
             begun: came | may_be.when(may_be.iter().count() == 1 && as_seen == may_be),
             may_have_begun: self.begun(other),

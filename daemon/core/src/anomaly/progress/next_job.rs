@@ -10,24 +10,19 @@
 //! one that was not completed.
 
 use super::Progress;
-use crate::couple::Context;
+use crate::couple::{Context, Couple};
 use crate::input::Side;
 use crate::set::ActivitySet;
 
 impl Progress<'_> {
-    /// Whether an activity that begins with this context belongs to the next job. It has been done already, and none that is left begins like it.
+    /// Whether an activity that begins with this couple belongs to the next job. It has been done already, and none that is left begins like it.
     /// Where the job has an order, only one of its first activities begins a job. Others must have come after them, or the bench must have been
     /// rearranged; else it is done twice. A bench that is set as it was at first is that of the next piece. A job whose start was not seen ends
     /// wherever a first activity begins that may have come before. A job with a fault also ends where the bench is rearranged. If something was done
     /// instead of an activity, its end has no other sign. Takes note of an end that is only assumed, as where the hand may only go on with what it
     /// did before a doubt.
-    pub(in crate::anomaly) fn begins_next_job(
-        &mut self,
-        side: Side,
-        context: Context,
-        is_disturbed: bool,
-        may_go_on: bool,
-    ) -> bool {
+    pub(crate) fn begins_next_job(&mut self, couple: &Couple, is_disturbed: bool, may_go_on: bool) -> bool {
+        let Couple { side, context, .. } = *couple;
         if !self.state.is_open || self.state.activities == 0 || self.is_unfinished_by_others(side) {
             return false;
         }
@@ -59,18 +54,18 @@ impl Progress<'_> {
     }
 
     /// The job ends with a pause, so that its end is only assumed.
-    pub(in crate::anomaly) fn assume_end(&mut self) {
+    pub(crate) fn assume_end(&mut self) {
         self.state.is_end_assumed = true;
     }
 
     /// Whether the end of the job is only assumed.
-    pub(in crate::anomaly) fn is_end_assumed(&self) -> bool {
+    pub(crate) fn is_end_assumed(&self) -> bool {
         self.state.is_end_assumed
     }
 
     /// Whether a touch with this context belongs to the job although all that it requires has come. It is an optional activity that may still come,
     /// or a step that is none of the job's.
-    pub(in crate::anomaly) fn goes_on_with(&self, context: Context, is_disturbed: bool) -> bool {
+    pub(crate) fn goes_on_with(&self, context: Context, is_disturbed: bool) -> bool {
         let opening =
             Side::ALL.iter().fold(ActivitySet::EMPTY, |all, side| all | self.opening(context.by_hand(*side)));
         let is_none = opening.is_empty() && self.has_parts_of(context);

@@ -21,7 +21,7 @@ impl Progress<'_> {
 
     /// Why this hand may not do a nominal activity now. It was done already, or a law puts it behind an activity that has not come, and cannot have
     /// come unseen.
-    pub(in crate::anomaly) fn order_fault(&self, side: Side, nominal: usize) -> Option<BrokenOrder> {
+    pub(crate) fn order_fault(&self, side: Side, nominal: usize) -> Option<BrokenOrder> {
         let activity = usize::from(self.number(nominal)?);
         let law = self.job.law(activity);
         let broken = |fault, other| self.broken(fault, activity, other);
@@ -50,7 +50,7 @@ impl Progress<'_> {
 
     /// An activity with this number has done the work of a nominal one with another part. If that must come now and has certainly not come, the part
     /// is wrong; the job may have begun with it.
-    pub(in crate::anomaly) fn set_done_instead(&mut self, number: u16, nominal: usize) {
+    pub(crate) fn set_done_instead(&mut self, number: u16, nominal: usize) {
         let activities = self.activities_of([nominal]);
         self.state.first_step = self.state.first_step.or(Some(number));
         self.begin_seen_with(number, activities);
@@ -65,13 +65,13 @@ impl Progress<'_> {
     }
 
     /// The work of a nominal activity may have been done with another part, which nothing tells from a part that is held or put aside.
-    pub(in crate::anomaly) fn note_instead(&mut self, nominal: usize) {
+    pub(crate) fn note_instead(&mut self, nominal: usize) {
         self.state.instead |= self.activities_of([nominal]);
     }
 
     /// An activity has come too early because this one has not come. Where its work may have been done with another part, that part is wrong and not
     /// the order. Returns whether it is.
-    pub(in crate::anomaly) fn blame_part(&mut self, broken: &BrokenOrder) -> bool {
+    pub(crate) fn blame_part(&mut self, broken: &BrokenOrder) -> bool {
         let other = usize::from(broken.activity);
         let is_instead = broken.fault == OrderFault::NotBegun
             && self.state.instead.contains(other)
@@ -85,13 +85,13 @@ impl Progress<'_> {
     }
 
     /// Whether the bench has shown in this job that what must come before had not been done.
-    pub(in crate::anomaly) fn is_undone(&self, broken: &BrokenOrder) -> bool {
+    pub(crate) fn is_undone(&self, broken: &BrokenOrder) -> bool {
         broken.fault == OrderFault::NotBegun && self.undone_first.contains(broken.activity.into())
     }
 
     /// Whether a nominal activity of this hand that is in order may belong to another job than the open one. It comes again although it must not. Or
     /// one that must come behind it was right, because this one may have come unseen. If it was not the other job's, the order was wrong.
-    pub(in crate::anomaly) fn may_be_of_another_job(&self, side: Side, nominal: usize) -> bool {
+    pub(crate) fn may_be_of_another_job(&self, side: Side, nominal: usize) -> bool {
         self.number(nominal).map(usize::from).is_some_and(|activity| {
             let comes_again = self.job.law(activity).is_once && self.state.done.contains(activity);
             let mut right = self.state.done.without(self.state.wrong).iter();
@@ -178,7 +178,7 @@ impl Progress<'_> {
     }
 
     /// Whether a nominal activity of this hand that has just come may come again, as a repeatable step or as one of the next job.
-    pub(in crate::anomaly) fn may_come_again(&self, side: Side, nominal: usize) -> bool {
+    pub(crate) fn may_come_again(&self, side: Side, nominal: usize) -> bool {
         let Some(activity) = self.number(nominal).map(usize::from) else { return false };
         let came = self.state.done | self.state.wrong | ActivitySet::of(activity);
         let possibly = self.possibly() | self.may_have_come(side);
@@ -186,7 +186,7 @@ impl Progress<'_> {
     }
 
     /// What was not shown before in that a nominal activity comes now.
-    pub(in crate::anomaly) fn order_note(&self, side: Side, nominal: usize) -> Option<Note> {
+    pub(crate) fn order_note(&self, side: Side, nominal: usize) -> Option<Note> {
         let activity = usize::from(self.number(nominal)?);
         let came = self.begun(side.other());
         let usual = self.job.law(activity).usually_after & self.state.required;

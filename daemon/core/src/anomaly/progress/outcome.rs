@@ -6,7 +6,7 @@ use crate::verdict::{Outcome, Reason, Verdict};
 
 impl Progress<'_> {
     /// Gives the verdict on the job once all activities have come that may come, or when it has `ended`. One that has not begun has none.
-    pub(in crate::anomaly) fn conclude(&mut self, ended: bool) {
+    pub(crate) fn conclude(&mut self, ended: bool) {
         let is_complete = (self.state.required | self.may_follow()).without(self.tried()).is_empty();
         if !self.state.is_open || !is_complete && !ended {
             return;

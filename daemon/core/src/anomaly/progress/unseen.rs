@@ -12,7 +12,7 @@ use crate::verdict::Reason;
 impl Progress<'_> {
     /// Objects have moved without a hand. In the middle of a job that may be a part of it, or the next piece. Before its first step, the step may
     /// have been hidden.
-    pub(in crate::anomaly) fn set_moved_unseen(&mut self) {
+    pub(crate) fn set_moved_unseen(&mut self) {
         if self.state.is_open && self.state.activities > 0 && !self.is_matched() {
             if self.state.first_step.is_some() {
                 self.note_unjudged(self.moved_unseen_cause(), None);
@@ -24,14 +24,14 @@ impl Progress<'_> {
     }
 
     /// The next job may have begun before the first touch that was seen.
-    pub(in crate::anomaly) fn doubt_start(&mut self) {
+    pub(crate) fn doubt_start(&mut self) {
         if !self.state.is_open {
             self.state.carried_over = self.all;
         }
     }
 
     /// Takes the objects that are out of sight.
-    pub(in crate::anomaly) fn set_out_of_sight(&mut self, couples: &Couples) {
+    pub(crate) fn set_out_of_sight(&mut self, couples: &Couples) {
         let mut hidden = couples.ids(couples.out_of_sight).map(|id| self.job.object(id)).peekable();
         let object = hidden.peek().map_or(0, |object| object.id);
         let activities = hidden.fold(ActivitySet::EMPTY, |all, object| all | object.used_by);
@@ -44,24 +44,24 @@ impl Progress<'_> {
     }
 
     /// What was seen of the objects is forgotten, as by an encoder that has started again.
-    pub(in crate::anomaly) fn forget_seen(&mut self) {
+    pub(crate) fn forget_seen(&mut self) {
         self.never_seen = None;
     }
 
     /// All that was done in the job was done by a hand that was not seen, or was not seen to act.
-    pub(in crate::anomaly) fn set_unseen(&mut self) {
+    pub(crate) fn set_unseen(&mut self) {
         self.state.left = self.all;
         self.set_unjudged(None, self.moved_unseen_cause());
     }
 
     /// The couples break off: the job may go on unseen, and what has not been done is not missing.
-    pub(in crate::anomaly) fn break_off(&mut self) {
+    pub(crate) fn break_off(&mut self) {
         (self.is_broken_off, self.state.left, self.unseen) = (true, self.all, self.all);
     }
 
     /// What a hand does with this `object` may be an activity that also uses an object never seen in this job: that object. It is 0 where it is not
     /// known which, and `None` where there is none. What such an activity looks like is not known.
-    pub(in crate::anomaly) fn never_seen_with(&self, object: u16) -> Option<u16> {
+    pub(crate) fn never_seen_with(&self, object: u16) -> Option<u16> {
         let never_seen = self.never_seen.unwrap_or_default();
         if never_seen.is_empty() {
             return None;
@@ -94,7 +94,7 @@ impl Progress<'_> {
     }
 
     /// Why too little is known of the job: what was occluded or never came, or else its beginning.
-    pub(in crate::anomaly) fn unseen_cause(&self) -> Cause {
+    pub(crate) fn unseen_cause(&self) -> Cause {
         let beginning = if self.state.is_start_seen { Reason::Blind } else { Reason::BeginningNotSeen };
         OcclusionLog::main_cause(&self.occlusions, self.job.min_captured, self.persist_frames)
             .or(self.state.carried_on_cause)

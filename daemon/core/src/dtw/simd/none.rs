@@ -7,29 +7,22 @@ use crate::dtw::symbols::{Symbols, Tables};
 
 /// Uninhabited: this target has no SIMD path.
 #[derive(Clone, Debug)]
-pub(in crate::dtw) enum Simd {}
+pub(crate) enum Simd {}
 
 impl Simd {
-    pub(in crate::dtw) fn new(_: &Tables) -> Option<Self> {
+    pub(crate) fn new(_: &Tables) -> Option<Self> {
         None
     }
 
-    pub(in crate::dtw) fn read(&self, _: &Tables, _: &[Motion], _: bool, _: &mut Symbols) -> bool {
+    pub(crate) fn read(&self, _: &Tables, _: &[Motion], _: bool, _: &mut Symbols) -> bool {
         match *self {}
     }
 
-    pub(in crate::dtw) fn advance(
-        &self,
-        _: &Tables,
-        _: &Motion,
-        _: &Symbols,
-        _: usize,
-        _: &mut Row,
-    ) -> Option<i32> {
+    pub(crate) fn advance(&self, _: &Tables, _: &Motion, _: &Symbols, _: usize, _: &mut Row) -> Option<i32> {
         match *self {}
     }
 
-    pub(in crate::dtw) fn last_cell(
+    pub(crate) fn last_cell(
         &self,
         _: (&Symbols, usize),
         _: (&Symbols, usize),

@@ -19,19 +19,19 @@ use pulp::x86::V3;
 
 /// The SIMD path: the proof that the processor has it, and the costs.
 #[derive(Clone, Debug)]
-pub(in crate::dtw) struct Simd {
+pub(crate) struct Simd {
     v3: V3,
     digits: Digits,
 }
 
 impl Simd {
     /// `None` if the processor or the costs do not allow it.
-    pub(in crate::dtw) fn new(tables: &Tables) -> Option<Self> {
+    pub(crate) fn new(tables: &Tables) -> Option<Self> {
         Some(Self { v3: V3::try_new()?, digits: Digits::new(tables)? })
     }
 
     /// [`Symbols::read`].
-    pub(in crate::dtw) fn read(
+    pub(crate) fn read(
         &self,
         tables: &Tables,
         motions: &[Motion],
@@ -42,7 +42,7 @@ impl Simd {
     }
 
     /// Computes the next row in place and returns its minimum; `None` if the frame has no symbols, and then nothing has changed.
-    pub(in crate::dtw) fn advance(
+    pub(crate) fn advance(
         &self,
         tables: &Tables,
         frame: &Motion,
@@ -57,7 +57,7 @@ impl Simd {
     }
 
     /// The value of the last cell of the DTW matrix of two sequences, given by symbols and length, `y` read backwards. `None` if it is above `bound`.
-    pub(in crate::dtw) fn last_cell(
+    pub(crate) fn last_cell(
         &self,
         x: (&Symbols, usize),
         y: (&Symbols, usize),
