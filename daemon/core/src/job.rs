@@ -208,13 +208,12 @@ pub struct Job<'a> {
     pub passive_contacts: &'a [u16],
     /// How motions are compared.
     pub cost: LocalCost,
-    /// Maximum of [`slowdown_factor`], at least 1. A DTW distance grows with the number of frames. A slower motion has less acceleration and more
-    /// rest, so that each of its frames is farther from the reference too. 1 leaves the thresholds as they are, as in the paper.
+    /// Maximum of [`slowdown_factor`], at least 1. A slower motion also has less acceleration and more rest, so that each of its frames is farther from
+    /// the reference. 1 leaves the thresholds as they are, as in the paper.
     pub max_slowdown: f32,
     /// Whether a frame [`at_rest`](Motion::at_rest) was put before and after each motion of a touch from which the references were learnt. It is then
-    /// put before and after each that is judged, and a rest at either end of an IU costs nothing. It still counts as time. An IU of two parts may
-    /// also have ended in one of the five frames before its last one. In the paper a rest costs as much as any other motion, and every frame belongs
-    /// to the motion.
+    /// put before and after each that is judged, and a rest at either end of an IU costs nothing, but still counts as time. In the paper it costs as
+    /// much as any other motion.
     pub has_free_ends: bool,
     /// The share of the frames of the grid that must have been captured during an IU for it to be judged, 0 to 1. With fewer, the motion that was
     /// shown would not be recognised. 0 asks for nothing.

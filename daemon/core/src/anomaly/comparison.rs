@@ -4,11 +4,10 @@
 //! frames, as much as a motion in the wrong direction. Of 15 runs at half the speed, judged by another person's job, 12 were right without
 //! it and 14 are.
 //!
-//! An IU of two parts may have ended in one of the five frames before its last: the nearest of these six counts. Where the other hand ends
-//! the contact, this one may go on before the parts are far enough apart. Of 144 jobs of `learn_two_hands.rs` (`Workshop`) 139 are right
-//! without this and 141 with it.
+//! An IU of two parts may then have ended in one of the five frames before its last: the nearest of these six counts. Of 144 jobs of
+//! `learn_two_hands.rs` (`Workshop`) 139 are right without this and 141 with it.
 
-use super::observation::{HIDDEN_SLACK, IuObservation};
+use super::observation::{HIDDEN_SLACK, IuFlags, IuObservation};
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Motion};
 use crate::dtw::{LocalCosts, OnlineDtw, Refused};
@@ -16,8 +15,8 @@ use crate::job::{Job, NominalIu, slowdown_factor};
 use crate::verdict::{Measure, Measured, Reason};
 use heapless::Vec;
 
-/// With free ends, an IU of two parts may have ended in any of this many frames before its last one. Where the other hand ends their contact, this
-/// hand may go on earlier, while the parts are still within the width of the contact. As many as a change takes to be believed by default.
+/// Where the other hand ends their contact, this hand may go on earlier, while the parts are still within the width of the contact. In as many frames
+/// as a change takes to be believed by default.
 const BORDER_FRAMES: usize = 5;
 
 /// The comparison of the open IU with one nominal IU.
@@ -229,11 +228,11 @@ fn result(
     rate_hz: f32,
 ) -> ComparisonResult {
     let NominalIu { frames, reference, threshold, .. } = *comparison.iu;
-    let whole = dtw.distance().filter(|_| observation.ended && !comparison.is_lost);
+    let whole = dtw.distance().filter(|_| observation.has(IuFlags::ENDED) && !comparison.is_lost);
     let distance = whole.unwrap_or_else(|| dtw.lower_bound());
     let distance = comparison.newest.into_iter().skip(1).fold(distance, f64::min);
     // An open IU may still become as slow as the bounds allow.
-    let length = if observation.ended { observation.worked_frames() } else { frames.max };
+    let length = if observation.has(IuFlags::ENDED) { observation.worked_frames() } else { frames.max };
     let length = length.saturating_add(2 * u32::from(job.has_free_ends));
     let threshold = threshold * slowdown_factor(length, reference.len(), job.max_slowdown);
     let reason_of = |broken: Option<(Reason, Measure)>, threshold: f32| match broken {

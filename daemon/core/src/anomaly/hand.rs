@@ -5,7 +5,7 @@ use super::comparison::{ComparisonResult, Comparisons, Memory};
 use super::grip::LastIu;
 use super::hand_doubt::HandDoubt;
 use super::interrupted::Interrupted;
-use super::observation::IuObservation;
+use super::observation::{IuFlags, IuObservation};
 use super::occlusion::{Cause, OcclusionLog, percent};
 use super::progress::Progress;
 use crate::config::Method;
@@ -28,12 +28,6 @@ pub(super) struct OpenIu {
     pub(super) captured: u32,
     /// The measure that is out of its bounds, once that was decided.
     pub(super) measured: Option<Measured>,
-    /// Its first part was at rest in some frame; true where it has no two parts.
-    pub(super) has_rested: bool,
-    /// It was seen well enough that it has happened.
-    pub(super) is_certain: bool,
-    /// It has its verdict.
-    pub(super) is_concluded: bool,
 }
 
 impl OpenIu {
@@ -149,7 +143,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// No IU is open in which the hand acts. There is none, or only a release state, or one of a step that was not shown.
     pub(super) fn is_resting(&self) -> bool {
         let is_untaught = self.activity.as_ref().is_some_and(|activity| activity.step == Step::Untaught);
-        self.iu.is_none_or(|iu| iu.is_concluded && (is_untaught || iu.context.is_release()))
+        let may_rest = |iu: OpenIu| is_untaught || iu.context.is_release();
+        self.iu.is_none_or(|iu| iu.observation.has(IuFlags::CONCLUDED) && may_rest(iu))
     }
 
     /// This couple shows the hand at a step of the job.
@@ -165,6 +160,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             Step::Untaught => true,
             Step::Foreign => false,
         })
+    }
+
+    /// Any of these is so of the open IU.
+    pub(super) fn iu_has(&self, flags: IuFlags) -> bool {
+        self.iu.is_some_and(|iu| iu.observation.has(flags))
     }
 
     /// Everything that is open has its verdict.
@@ -242,10 +242,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             return;
         }
         let (Some(iu), Some(activity)) = (&mut self.iu, &mut self.activity) else { return };
-        if iu.is_concluded {
+        if iu.observation.has(IuFlags::CONCLUDED) {
             return;
         }
-        iu.is_concluded = true;
+        iu.observation.flags |= IuFlags::CONCLUDED;
         let finding = if is_wrong && cannot_accuse { Finding::right(None) } else { finding };
         let Finding { outcome, cause, nominal, result } = finding;
         let measured = iu.measured.filter(|_| outcome != Outcome::Ok);

@@ -9,12 +9,8 @@ use crate::set::Set;
 /// and the second until it is believed. In the third the hand comes to rest at what it takes.
 const IDLE_PERSISTS: u32 = 3;
 
-/// What [`HandFlags`] consists of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct HandFlag;
-
 /// What is so of a hand, or may be because not all was seen.
-pub(super) type HandFlags = Set<HandFlag>;
+pub(super) type HandFlags = Set<HandDoubt>;
 
 impl HandFlags {
     /// It was certainly idle in some frame since it last acted.

@@ -1,6 +1,6 @@
 //! Which measure of an IU is not right.
 
-use super::observation::{ENDS, HIDDEN_SLACK, IuObservation};
+use super::observation::{ENDS, HIDDEN_SLACK, IuFlags, IuObservation};
 use crate::bounds::Around;
 use crate::job::{MeasureBounds, NominalIu, Shown};
 use crate::segment::{MOVED_M, Measures};
@@ -65,7 +65,7 @@ impl IuObservation {
         };
         if let Some(measure) = too_long {
             return Some((Reason::TooLong, measure));
-        } else if !self.ended {
+        } else if !self.has(IuFlags::ENDED) {
             return None;
         }
         let unseen_reversals = if may_be_hidden { hidden_reversals } else { 0 };
@@ -209,14 +209,14 @@ mod tests {
         };
         let broken = |gap: u32| {
             let measures = Measures { hidden: 0.03, ..Measures::default() };
-            let (gap_before, gap_after, ended) = (gap, gap, true);
+            let (gap_before, gap_after, flags) = (gap, gap, IuFlags::ENDED);
             let observation = IuObservation {
                 frames: 12,
                 assumed: 2,
                 measures,
                 gap_before,
                 gap_after,
-                ended,
+                flags,
                 ..IuObservation::default()
             };
             observation.broken(&iu, true)

@@ -1,10 +1,29 @@
 //! What is known of an IU so far, and what of it may have happened unseen.
 
 use crate::segment::{FRAMES_PER_REVERSAL, Measures};
+use crate::set::Set;
 use crate::verdict::Reason;
 
 /// How far a bound gives way, as a multiple of the unseen share of the IU. Hidden motion may have been twice as fast as seen motion.
 pub(super) const HIDDEN_SLACK: f32 = 2.0;
+
+/// What is so of an IU, or may be because not all was seen.
+pub(super) type IuFlags = Set<IuObservation>;
+
+impl IuFlags {
+    /// It has ended.
+    pub(super) const ENDED: Self = Self::of(0);
+    /// Its beginning or its end may be that of another stretch: the IU may be a part of one.
+    pub(super) const MAY_BE_PART: Self = Self::of(1);
+    /// What was not seen of it may have been something else.
+    pub(super) const DOUBTFUL: Self = Self::of(2);
+    /// Its first part was at rest in some frame, or it has no two parts.
+    pub(super) const HAS_RESTED: Self = Self::of(3);
+    /// It was seen well enough that it has happened.
+    pub(super) const CERTAIN: Self = Self::of(4);
+    /// It has its verdict.
+    pub(super) const CONCLUDED: Self = Self::of(5);
+}
 
 /// How long the IU is, what it measures, and what was not seen of it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -19,16 +38,11 @@ pub(super) struct IuObservation {
     /// In how many frames a part of it was not seen, even where it was assumed.
     pub(super) assumed: u32,
     pub(super) measures: Measures,
-    /// Whether the IU has ended.
-    pub(super) ended: bool,
     /// It may have begun as many frames earlier.
     pub(super) gap_before: u32,
     /// It may have ended as many frames earlier.
     pub(super) gap_after: u32,
-    /// Its beginning or its end may be that of another stretch: the IU may be a part of one.
-    pub(super) may_be_part: bool,
-    /// What was not seen of it may have been something else.
-    pub(super) is_doubtful: bool,
+    pub(super) flags: IuFlags,
 }
 
 /// The ends of an IU, and of a way: its beginning and its end.
@@ -39,6 +53,11 @@ pub(super) const ENDS: u32 = 2;
 const MAX_ASSUMED: f32 = 0.25;
 
 impl IuObservation {
+    /// Whether any of these is so.
+    pub(super) fn has(&self, flags: IuFlags) -> bool {
+        self.flags.intersects(flags)
+    }
+
     /// How many frames the IU lasts without those in which the hand waited for the other one. A hand may wait for any time.
     pub(super) fn worked_frames(&self) -> u32 {
         self.frames.saturating_sub(self.waited)
@@ -84,8 +103,8 @@ impl IuObservation {
     pub(super) fn explains(&self, reason: Reason, is_unique: bool) -> bool {
         match reason {
             Reason::None => false,
-            Reason::TooShort => self.may_be_part,
-            _ => self.may_be_part || self.is_doubtful && !is_unique,
+            Reason::TooShort => self.has(IuFlags::MAY_BE_PART),
+            _ => self.has(IuFlags::MAY_BE_PART | IuFlags::DOUBTFUL.when(!is_unique)),
         }
     }
 }
