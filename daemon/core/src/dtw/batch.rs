@@ -4,7 +4,7 @@ use super::cost::UNREACHED;
 use super::local_costs::LocalCosts;
 use super::row::Row;
 use super::simd::{BORDER_ROOM, Border};
-use super::symbols::{BLOCK, Symbols};
+use super::symbols::{BLOCK, Order, Symbols};
 use super::{Refused, check};
 use crate::couple::Motion;
 
@@ -77,15 +77,15 @@ fn last_cell(
         if a.len().div_ceil(BLOCK) * b.len() <= b.len().div_ceil(BLOCK) * a.len() { [a, b] } else { [b, a] };
     let [x, y] = &mut scratch.symbols;
     if let Some(simd) = &costs.simd
-        && costs.read(a, false, x)
-        && costs.read(b, true, y)
+        && costs.read(a, Order::Forwards, x)
+        && costs.read(b, Order::Backwards, y)
     {
         return Ok(simd.last_cell((x, a.len()), (y, b.len()), bound, &mut scratch.border));
     }
-    let symbols = costs.read(b, false, y).then_some(&*y);
+    costs.read(b, Order::Forwards, y);
     scratch.row.begin(b.len());
     for frame in a {
-        if costs.advance(&mut scratch.row, frame, b, symbols) > bound {
+        if costs.advance(&mut scratch.row, frame, b, y) > bound {
             return Ok(None);
         }
     }

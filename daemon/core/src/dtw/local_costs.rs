@@ -3,7 +3,7 @@
 use super::cost::{IntegerCosts, UNREACHED};
 use super::row::{Row, slot};
 use super::simd::Simd;
-use super::symbols::{BLOCK, Symbols, Tables};
+use super::symbols::{BLOCK, Content, Order, Symbols, Tables};
 use crate::couple::Motion;
 use crate::job::LocalCost;
 
@@ -43,24 +43,25 @@ impl LocalCosts {
     }
 
     /// Writes the symbols of a sequence by the fastest path. False if it has none under these costs.
-    pub(super) fn read(&self, motions: &[Motion], backwards: bool, symbols: &mut Symbols) -> bool {
-        match (&self.simd, &self.tables) {
-            (Some(simd), Some(tables)) => simd.read(tables, motions, backwards, symbols),
-            (None, Some(tables)) => symbols.read(tables, motions, backwards),
-            _ => false,
-        }
+    pub(super) fn read(&self, motions: &[Motion], order: Order, symbols: &mut Symbols) -> bool {
+        symbols.content = match (&self.simd, &self.tables) {
+            (Some(simd), Some(tables)) => simd.read(tables, motions, order, symbols),
+            (None, Some(tables)) => symbols.read(tables, motions, order),
+            _ => Content::Nothing,
+        };
+        symbols.content != Content::Nothing
     }
 
-    /// Computes the next row in place by the fastest path and returns its minimum. `symbols` are those of the reference, if it has
-    /// any.
+    /// Computes the next row in place by the fastest path and returns its minimum. `symbols` are those of the reference.
     pub(super) fn advance(
         &self,
         row: &mut Row,
         frame: &Motion,
         reference: &[Motion],
-        symbols: Option<&Symbols>,
+        symbols: &Symbols,
     ) -> i32 {
-        if let (Some(simd), Some(tables), Some(symbols)) = (&self.simd, &self.tables, symbols)
+        let tables = self.tables.as_ref().filter(|_| symbols.content != Content::Nothing);
+        if let (Some(simd), Some(tables)) = (&self.simd, tables)
             && let Some(min) = simd.advance(tables, frame, symbols, reference.len(), row)
         {
             return min;
@@ -77,9 +78,8 @@ impl LocalCosts {
             min = min.min(left);
             index += 1;
         };
-        let by_symbols = symbols.zip(self.tables.as_ref());
-        match by_symbols.and_then(|(symbols, tables)| Some((symbols, tables, tables.symbols(frame)?))) {
-            Some((symbols, tables, frame)) => tables.costs(frame, symbols, reference.len(), next),
+        match tables.and_then(|tables| Some((tables, tables.symbols(frame)?))) {
+            Some((tables, frame)) => tables.costs(frame, symbols, reference.len(), next),
             None => reference.iter().map(|motion| self.integers.between(frame, motion)).for_each(next),
         }
         min

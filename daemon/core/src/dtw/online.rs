@@ -3,7 +3,7 @@
 use super::cost::ORIGIN;
 use super::local_costs::LocalCosts;
 use super::row::Row;
-use super::symbols::Symbols;
+use super::symbols::{Order, Symbols};
 use super::{Refused, check};
 use crate::capacity::IU_FRAMES;
 use crate::couple::Motion;
@@ -16,8 +16,6 @@ pub struct OnlineDtw<'a> {
     costs: LocalCosts,
     reference: &'a [Motion],
     symbols: Symbols,
-    /// Whether the reference has symbols.
-    has_symbols: bool,
     /// The newest row: for each frame of the reference the minimum sum of a path that ends there.
     row: Row,
     /// Frames appended.
@@ -36,7 +34,6 @@ impl<'a> OnlineDtw<'a> {
             costs: costs.clone(),
             reference,
             symbols: Symbols::new(),
-            has_symbols: false,
             row: Row::new(),
             frames: 0,
             min: ORIGIN,
@@ -52,7 +49,7 @@ impl<'a> OnlineDtw<'a> {
     pub fn begin(&mut self, reference: &'a [Motion]) -> Result<(), Refused> {
         check(reference)?;
         self.reference = reference;
-        self.has_symbols = self.costs.read(reference, false, &mut self.symbols);
+        self.costs.read(reference, Order::Forwards, &mut self.symbols);
         self.row.begin(reference.len());
         self.frames = 0;
         self.min = ORIGIN;
@@ -67,8 +64,7 @@ impl<'a> OnlineDtw<'a> {
         if self.frames == IU_FRAMES {
             return Err(Refused::TooLong { frames: IU_FRAMES + 1 });
         }
-        let symbols = Some(&self.symbols).filter(|_| self.has_symbols);
-        self.min = self.costs.advance(&mut self.row, frame, self.reference, symbols);
+        self.min = self.costs.advance(&mut self.row, frame, self.reference, &self.symbols);
         self.frames += 1;
         Ok(())
     }

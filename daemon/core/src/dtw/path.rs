@@ -4,7 +4,7 @@ use super::batch::Scratch;
 use super::cost::UNREACHED;
 use super::local_costs::LocalCosts;
 use super::row::slot;
-use super::symbols::BLOCK;
+use super::symbols::{BLOCK, Order};
 use super::{Refused, check};
 use crate::couple::Motion;
 
@@ -35,7 +35,7 @@ pub fn path<'m>(
     let (needed, given) = (path_memory(a.len(), b.len()), memory.len());
     let Some(blocks) = memory.get_mut(..needed) else { return Err(Refused::Memory { needed, given }) };
     let symbols = &mut scratch.symbols[0];
-    let symbols = costs.read(b, false, symbols).then_some(&*symbols);
+    costs.read(b, Order::Forwards, symbols);
     scratch.row.begin(b.len());
     for (frame, blocks) in a.iter().zip(blocks.chunks_exact_mut(per_row)) {
         costs.advance(&mut scratch.row, frame, b, symbols);

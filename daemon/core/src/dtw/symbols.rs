@@ -106,31 +106,47 @@ fn low(symbol: u8) -> usize {
 /// Bytes before the first motion, so that a vector may end with the first motion.
 pub(super) const FRONT: usize = BLOCK;
 
+/// In which order the frames of a sequence are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Order {
+    Forwards,
+    Backwards,
+}
+
+/// What the symbols of a sequence tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Content {
+    /// Nothing: the sequence has none under its costs.
+    Nothing,
+    /// All elevations are 0.
+    Flat,
+    /// Any elevation differs from 0.
+    Elevated,
+}
+
 /// The symbols of a sequence: a plane for each byte of a motion, with room for a block before and after.
 #[derive(Clone, Debug)]
 pub(super) struct Symbols {
     pub(super) planes: [[u8; FRONT + IU_FRAMES + BLOCK]; PLANES],
-    /// Whether any elevation differs from 0.
-    pub(super) elevated: bool,
+    pub(super) content: Content,
 }
 
 impl Symbols {
     pub(super) const fn new() -> Self {
-        Self { planes: [[0; FRONT + IU_FRAMES + BLOCK]; PLANES], elevated: false }
+        Self { planes: [[0; FRONT + IU_FRAMES + BLOCK]; PLANES], content: Content::Nothing }
     }
 
-    /// Writes the symbols of at most [`IU_FRAMES`] motions. False if a feature is out of range.
-    pub(super) fn read(&mut self, tables: &Tables, motions: &[Motion], backwards: bool) -> bool {
+    /// Writes the symbols of at most [`IU_FRAMES`] motions. Says [`Content::Nothing`] if a feature is out of range.
+    pub(super) fn read(&mut self, tables: &Tables, motions: &[Motion], order: Order) -> Content {
         let mut elevations = 0;
         for (index, motion) in motions.iter().take(IU_FRAMES).enumerate() {
-            let Some(symbols) = tables.symbols(motion) else { return false };
-            let index = if backwards { motions.len() - 1 - index } else { index };
+            let Some(symbols) = tables.symbols(motion) else { return Content::Nothing };
+            let index = if order == Order::Backwards { motions.len() - 1 - index } else { index };
             elevations |= motion.0[1] | motion.0[4];
             for (plane, symbol) in self.planes.iter_mut().zip(symbols) {
                 plane[FRONT + index] = symbol;
             }
         }
-        self.elevated = elevations != 0;
-        true
+        if elevations != 0 { Content::Elevated } else { Content::Flat }
     }
 }

@@ -3,7 +3,7 @@
 use super::Border;
 use crate::couple::Motion;
 use crate::dtw::row::Row;
-use crate::dtw::symbols::{Symbols, Tables};
+use crate::dtw::symbols::{Content, Order, Symbols, Tables};
 
 /// Uninhabited: this target has no SIMD path.
 #[derive(Clone, Debug)]
@@ -14,7 +14,7 @@ impl Simd {
         None
     }
 
-    pub(crate) fn read(&self, _: &Tables, _: &[Motion], _: bool, _: &mut Symbols) -> bool {
+    pub(crate) fn read(&self, _: &Tables, _: &[Motion], _: Order, _: &mut Symbols) -> Content {
         match *self {}
     }
 

@@ -6,7 +6,7 @@ use crate::dtw::cost::{ORIGIN, UNREACHED};
 use crate::dtw::row::LANES;
 use crate::dtw::simd::digits::Digits;
 use crate::dtw::simd::{BORDER_ZERO, Border};
-use crate::dtw::symbols::{BLOCK, FRONT, PLANES, PLANES_FLAT, Symbols};
+use crate::dtw::symbols::{BLOCK, Content, FRONT, PLANES, PLANES_FLAT, Symbols};
 use pulp::NullaryFnOnce;
 use pulp::bytemuck::cast;
 use pulp::x86::V3;
@@ -26,10 +26,10 @@ impl NullaryFnOnce for LastCell<'_> {
 
     #[inline(always)]
     fn call(self) -> Option<i32> {
-        if self.x.0.elevated || self.y.0.elevated {
-            self.planes::<PLANES>()
-        } else {
+        if [self.x.0, self.y.0].iter().all(|symbols| symbols.content == Content::Flat) {
             self.planes::<PLANES_FLAT>()
+        } else {
+            self.planes::<PLANES>()
         }
     }
 }

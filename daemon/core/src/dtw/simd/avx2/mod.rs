@@ -12,7 +12,7 @@ use super::Border;
 use super::digits::Digits;
 use crate::couple::Motion;
 use crate::dtw::row::{LANES, Row};
-use crate::dtw::symbols::{Symbols, Tables};
+use crate::dtw::symbols::{Content, Order, Symbols, Tables};
 use core::arch::x86_64::__m256i;
 use pulp::bytemuck::cast;
 use pulp::x86::V3;
@@ -35,10 +35,10 @@ impl Simd {
         &self,
         tables: &Tables,
         motions: &[Motion],
-        backwards: bool,
+        order: Order,
         symbols: &mut Symbols,
-    ) -> bool {
-        self.v3.vectorize(read::Read { v3: self.v3, tables, motions, backwards, symbols })
+    ) -> Content {
+        self.v3.vectorize(read::Read { v3: self.v3, tables, motions, order, symbols })
     }
 
     /// Computes the next row in place and returns its minimum; `None` if the frame has no symbols, and then nothing has changed.
@@ -50,10 +50,9 @@ impl Simd {
         length: usize,
         row: &mut Row,
     ) -> Option<i32> {
-        let elevated = reference.elevated || frame.0[1] != 0 || frame.0[4] != 0;
         let frame = tables.symbols(frame)?;
         let (v3, digits, rest) = (self.v3, &self.digits, tables.rest);
-        Some(v3.vectorize(row::Advance { v3, digits, rest, frame, elevated, reference, length, row }))
+        Some(v3.vectorize(row::Advance { v3, digits, rest, frame, reference, length, row }))
     }
 
     /// The value of the last cell of the DTW matrix of two sequences, given by symbols and length, `y` read backwards. `None` if it is above `bound`.

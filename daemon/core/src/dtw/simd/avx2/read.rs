@@ -1,27 +1,27 @@
 //! Symbols of a sequence.
 
 use crate::couple::Motion;
-use crate::dtw::symbols::{BLOCK, FRONT, Symbols, Tables};
+use crate::dtw::symbols::{BLOCK, Content, FRONT, Order, Symbols, Tables};
 use core::arch::x86_64::__m256i;
 use pulp::NullaryFnOnce;
 use pulp::bytemuck::cast;
 use pulp::x86::V3;
 
-/// Writes the symbols of a sequence; false if a feature is out of range.
+/// Writes the symbols of a sequence; says [`Content::Nothing`] if a feature is out of range.
 pub(super) struct Read<'a> {
     pub(super) v3: V3,
     pub(super) tables: &'a Tables,
     pub(super) motions: &'a [Motion],
-    pub(super) backwards: bool,
+    pub(super) order: Order,
     pub(super) symbols: &'a mut Symbols,
 }
 
 impl NullaryFnOnce for Read<'_> {
-    type Output = bool;
+    type Output = Content;
 
     #[inline(always)]
-    fn call(self) -> bool {
-        let Self { v3, tables, motions, backwards, symbols: out } = self;
+    fn call(self) -> Content {
+        let Self { v3, tables, motions, order, symbols: out } = self;
         let (avx, avx2) = (v3.avx, v3.avx2);
         let max = avx._mm256_set1_epi8(tables.max as i8);
         let rest = avx._mm256_set1_epi8(tables.rest as i8);
@@ -31,7 +31,7 @@ impl NullaryFnOnce for Read<'_> {
         let (mut out_of_range, mut elevations) = (zero, zero);
         for block in 0..motions.len().div_ceil(BLOCK) {
             let [a_h, theta_hj, phi_hj, jm_hj, theta_jl, phi_jl, jm_jl, _] =
-                transpose(v3, &gather(motions, block * BLOCK, backwards));
+                transpose(v3, &gather(motions, block * BLOCK, order));
             // See `Tables::symbols`: -1, 0, 1 become 00, 01, 11.
             let a_h = avx2._mm256_add_epi8(a_h, one);
             let mut over = avx2._mm256_subs_epu8(a_h, two);
@@ -53,23 +53,25 @@ impl NullaryFnOnce for Read<'_> {
                 plane[FRONT..].as_chunks_mut::<BLOCK>().0[block] = cast(symbols);
             }
         }
-        out.elevated = avx._mm256_testz_si256(elevations, elevations) == 0;
-        avx._mm256_testz_si256(out_of_range, out_of_range) != 0
+        if avx._mm256_testz_si256(out_of_range, out_of_range) == 0 {
+            return Content::Nothing;
+        }
+        if avx._mm256_testz_si256(elevations, elevations) == 0 { Content::Elevated } else { Content::Flat }
     }
 }
 
 /// 32 motions from `start` on, one in each eight bytes, with zeros after the last one, in the order that [`transpose`] takes.
 #[inline(always)]
-fn gather(motions: &[Motion], start: usize, backwards: bool) -> [[u64; 4]; 8] {
+fn gather(motions: &[Motion], start: usize, order: Order) -> [[u64; 4]; 8] {
     let mut rows = [[0; 4]; 8];
     let count = BLOCK.min(motions.len() - start);
-    let block = if backwards {
+    let block = if order == Order::Backwards {
         &motions[motions.len() - start - count..motions.len() - start]
     } else {
         &motions[start..start + count]
     };
     for (index, motion) in block.iter().enumerate() {
-        let index = if backwards { count - 1 - index } else { index };
+        let index = if order == Order::Backwards { count - 1 - index } else { index };
         let [a, b, c, d, e, f, g] = motion.0.map(|feature| feature as u8);
         rows[index % 16 / 2][index / 16 * 2 + index % 2] = u64::from_le_bytes([a, b, c, d, e, f, g, 0]);
     }

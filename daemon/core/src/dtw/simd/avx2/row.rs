@@ -5,7 +5,7 @@ use super::{load, rotate, with_first};
 use crate::dtw::cost::UNREACHED;
 use crate::dtw::row::{LANES, Row};
 use crate::dtw::simd::digits::Digits;
-use crate::dtw::symbols::{BLOCK, FRONT, PLANES, PLANES_FLAT, Symbols};
+use crate::dtw::symbols::{BLOCK, Content, FRONT, PLANES, PLANES_FLAT, Symbols};
 use core::arch::x86_64::__m256i;
 use pulp::NullaryFnOnce;
 use pulp::bytemuck::cast;
@@ -17,7 +17,6 @@ pub(super) struct Advance<'a> {
     pub(super) digits: &'a Digits,
     pub(super) rest: u8,
     pub(super) frame: [u8; PLANES],
-    pub(super) elevated: bool,
     pub(super) reference: &'a Symbols,
     pub(super) length: usize,
     pub(super) row: &'a mut Row,
@@ -28,7 +27,12 @@ impl NullaryFnOnce for Advance<'_> {
 
     #[inline(always)]
     fn call(self) -> i32 {
-        if self.elevated { self.planes::<PLANES>() } else { self.planes::<PLANES_FLAT>() }
+        let is_frame_flat = self.frame[PLANES_FLAT..].iter().all(|elevation| *elevation == self.rest);
+        if is_frame_flat && self.reference.content == Content::Flat {
+            self.planes::<PLANES_FLAT>()
+        } else {
+            self.planes::<PLANES>()
+        }
     }
 }
 
