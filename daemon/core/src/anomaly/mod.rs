@@ -92,7 +92,7 @@ use crate::couple::{Context, Couple, Couples, Unseen, Visibility};
 use crate::dtw::OnlineDtw;
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
-use crate::segment::{self, JobSegmenter};
+use crate::segment::{self, JobSegmenter, Start};
 use crate::verdict::Verdict;
 use hand::HandJudge;
 use hand_doubt::HandFlags;
@@ -462,7 +462,7 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
 
     /// A hand that was not seen has worked since then: whatever it did is not judged.
     fn conclude_unseen(&mut self, began_ns: u64) {
-        self.progress.begin(began_ns, false, false, None);
+        self.progress.begin(began_ns, Start::Unseen, None);
         self.progress.set_unseen();
         self.progress.conclude(true);
     }
@@ -471,13 +471,13 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
     fn take(&mut self, event: &segment::Event, couples: Option<&Couples>) {
         let Self { hands, progress } = self;
         match *event {
-            segment::Event::JobBegan { began_ns, is_start_seen, unseen_since_ns } => {
+            segment::Event::JobBegan { began_ns, start, unseen_since_ns } => {
                 let mut touches = couples.iter().flat_map(|couples| &couples.hands);
                 if touches.any(|couple| hands[couple.side.index()].doubt.may_go_on_touching(couple.context)) {
                     progress.doubt_start();
                 }
-                progress.begin(began_ns, couples.is_none(), is_start_seen, unseen_since_ns);
-                if is_start_seen {
+                progress.begin(began_ns, start, unseen_since_ns);
+                if start != Start::Unseen {
                     for hand in hands {
                         hand.doubt.begin();
                         // After a pause or on command nobody puts right what was done before.

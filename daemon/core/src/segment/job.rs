@@ -1,6 +1,6 @@
 //! The segmentation of both hands and of the job that they share.
 
-use super::{Event, Segmenter};
+use super::{Event, Segmenter, Start};
 use crate::capacity::HANDS;
 use crate::config::{Method, MethodFault};
 use crate::couple::{Context, Couple, Couples, Unseen};
@@ -89,8 +89,8 @@ impl JobSegmenter {
             self.end(now_ns, emit);
         }
         if touches && self.job.is_none() {
-            let is_start_seen = self.has_paused;
-            self.begin(now_ns, is_start_seen, emit);
+            let start = if self.has_paused { Start::Seen } else { Start::Unseen };
+            self.begin(now_ns, start, emit);
         }
         self.newest_ns = now_ns;
         for (hand, couple) in self.hands.iter_mut().zip(&couples.hands) {
@@ -170,7 +170,7 @@ impl JobSegmenter {
     pub fn start(&mut self, emit: &mut impl FnMut(Event)) {
         self.finish(emit);
         self.hands.iter_mut().for_each(Segmenter::forget_touch);
-        self.begin(self.newest_ns.saturating_add(self.period_ns), true, emit);
+        self.begin(self.newest_ns.saturating_add(self.period_ns), Start::Commanded, emit);
     }
 
     /// Ends the job on command or at the end of a recording, after the newest couples.
@@ -190,11 +190,11 @@ impl JobSegmenter {
         &mut self.hands[side.index()]
     }
 
-    fn begin(&mut self, began_ns: u64, is_start_seen: bool, emit: &mut impl FnMut(Event)) {
+    fn begin(&mut self, began_ns: u64, start: Start, emit: &mut impl FnMut(Event)) {
         self.job = Some(OpenJob { began_ns, ended_ns: began_ns, touched: false, matched: false });
         (self.has_paused, self.since_touch) = (false, self.since_touch.without(Unseen::CARRIER));
         let unseen_since_ns = self.unseen_since_ns.take();
-        emit(Event::JobBegan { began_ns, is_start_seen, unseen_since_ns });
+        emit(Event::JobBegan { began_ns, start, unseen_since_ns });
     }
 
     fn end(&mut self, now_ns: u64, emit: &mut impl FnMut(Event)) {

@@ -37,6 +37,17 @@ pub struct Iu {
     pub is_in_sight: bool,
 }
 
+/// How a job began.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// With a touch, and some of it may have happened before that.
+    Unseen,
+    /// With the first touch after a pause in which nothing moved, so that nothing of it can have happened before.
+    Seen,
+    /// On command, so that nothing of it counts that happened before.
+    Commanded,
+}
+
 /// An event of the segmentation. Times are those of the couples (`captured_ns`). Ends are exclusive: what follows begins there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
@@ -44,8 +55,8 @@ pub enum Event {
     JobBegan {
         /// When, in nanoseconds.
         began_ns: u64,
-        /// Whether nothing of it can have happened before: it began on command, or after a pause in which nothing moved.
-        is_start_seen: bool,
+        /// How it began.
+        start: Start,
         /// Since when a hand that was not seen had worked before, if nobody has been told: at this job, or at a piece before it.
         unseen_since_ns: Option<u64>,
     },

@@ -12,6 +12,7 @@ use crate::capacity::{EVENTS, HANDS};
 use crate::couple::{Context, Couple, Couples, Unseen};
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
+use crate::segment::Start;
 use crate::set::{ActivitySet, ObjectSet};
 use crate::verdict::{Note, Outcome, Reason, Verdict};
 pub(super) use another_piece::quickest;
@@ -170,14 +171,9 @@ impl<'a> Progress<'a> {
         let _ = self.told.push(event);
     }
 
-    /// A job begins, with a touch or on command, and since when a hand that was not seen had worked before it.
-    pub(super) fn begin(
-        &mut self,
-        began_ns: u64,
-        is_commanded: bool,
-        is_start_seen: bool,
-        unseen_since_ns: Option<u64>,
-    ) {
+    /// A job begins, and since when a hand that was not seen had worked before it.
+    pub(super) fn begin(&mut self, began_ns: u64, start: Start, unseen_since_ns: Option<u64>) {
+        let is_start_seen = start != Start::Unseen;
         // Before a start that was seen, nothing of the job was hidden.
         if is_start_seen {
             self.forget_hidden();
@@ -192,7 +188,7 @@ impl<'a> Progress<'a> {
         let may_precede = may_precede.without(self.undone_first | self.behind(self.undone_first));
         self.state = JobState {
             began_ns,
-            is_commanded,
+            is_commanded: start == Start::Commanded,
             unseen_since_ns,
             is_start_seen: may_precede.is_empty(),
             may_precede,
