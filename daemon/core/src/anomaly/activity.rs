@@ -159,19 +159,19 @@ impl OpenActivity {
         }
     }
 
-    /// Takes the context of the next IU and returns the number of that IU. Whether it is certain that it has happened. Something may have come and
-    /// gone in some `hidden` frames before it. With `has_been_idle` the hand was certainly idle at some time since the IU before it.
+    /// Takes the context of the next IU and returns the number of that IU. `to_it` says how it begins. With `was_idle` the hand was certainly idle at
+    /// some time since the IU before it.
     pub(super) fn next_iu(
         &mut self,
         job: &Job<'_>,
         context: Context,
-        is_certain: bool,
-        (hidden, has_been_idle): (u32, bool),
+        to_it: Transition,
+        was_idle: bool,
     ) -> u16 {
-        let is_doubtful = !is_certain;
-        let transition =
-            Transition { is_doubtful, hidden: self.transition.hidden.max(hidden), ..self.transition };
-        if self.ius > 0 && (has_been_idle || self.transition.hidden >= self.end_frames) {
+        let Transition { is_doubtful, hidden, .. } = to_it;
+        let hidden = self.transition.hidden.max(hidden);
+        let transition = Transition { is_doubtful, hidden, ..self.transition };
+        if self.ius > 0 && (was_idle || self.transition.hidden >= self.end_frames) {
             self.note_possible_end(job);
         }
         self.places_before = self.places;

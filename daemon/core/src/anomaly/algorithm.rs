@@ -7,6 +7,7 @@ use super::hand_doubt::HandFlags;
 use super::interrupted::Interrupted;
 use super::observation::{IuFlags, IuObservation};
 use super::occlusion::{Cause, OcclusionLog, too_few_frames};
+use super::places::Transition;
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Couple, Motion, Unseen, Visibility, Waiting};
@@ -71,10 +72,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let (job, context) = (progress.job, couple.context);
         self.comparisons.clear();
         activity.may_be_passive &= progress.has_parts_of(context);
-        let is_certain = !self.doubt.is_doubtful();
-        let was_idle = self.doubt.was_idle();
-        let before = (self.doubt.hidden_before(), self.doubt.begin_iu());
-        let number = activity.next_iu(job, activity.as_shown(context), is_certain, before);
+        let (is_doubtful, was_idle) = (self.doubt.is_doubtful(), self.doubt.was_idle());
+        let to_it = Transition { is_doubtful, hidden: self.doubt.hidden_before(), ..Transition::default() };
+        let number = activity.next_iu(job, activity.as_shown(context), to_it, self.doubt.begin_iu());
         // With what goes on although all may have come, the next piece may have begun.
         if number > 0 && progress.may_be_matched() {
             progress.set_goes_on_in_next(self.side);
@@ -82,8 +82,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let may_be_remainder = number == 0 && self.doubt.has(HandFlags::REMAINDER) && !was_idle;
         // A step that was not shown may come between two parts of one activity, so the doubt outlasts it.
         if activity.step != Step::Untaught || !self.doubt.has(HandFlags::REMAINDER) {
-            let remainder = HandFlags::REMAINDER | HandFlags::UNWATCHED;
-            self.doubt.flags = self.doubt.flags.without(remainder);
+            self.doubt.flags.put(HandFlags::REMAINDER | HandFlags::UNWATCHED, false);
         }
         let may_be_part = may_be_remainder || self.doubt.may_go_on(context) || self.doubt.is_object_new();
         self.iu = Some(OpenIu {
@@ -95,7 +94,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 gap_before: self.doubt.gap(),
                 flags: IuFlags::MAY_BE_PART.when(may_be_part)
                     | IuFlags::HAS_RESTED.when(!context.is_pair())
-                    | IuFlags::CERTAIN.when(is_certain),
+                    | IuFlags::CERTAIN.when(!is_doubtful),
                 ..IuObservation::default()
             },
             captured: 0,
@@ -300,7 +299,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             let open = *open;
             let is_concluded = open.observation.has(IuFlags::CONCLUDED);
             let is_certain = open.observation.has(IuFlags::CERTAIN) && !self.doubt.is_doubtful();
-            let may_be_part = self.is_broken_off || !is_certain;
+            let may_be_part = self.doubt.has(HandFlags::BROKEN_OFF) || !is_certain;
             let observation = IuObservation {
                 frames: iu.frames,
                 measured: iu.measured,
@@ -427,7 +426,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let is_seen = self.iu.is_none_or(|iu| iu.observation.assumed == 0);
         let is_begun_late = is_seen
             && self.activity.as_ref().is_some_and(|activity| activity.remainder == Remainder::Unwatched);
-        if self.is_broken_off {
+        if self.doubt.has(HandFlags::BROKEN_OFF) {
             Reason::BrokenOff.into()
         } else if self.iu.is_some_and(is_uncaptured) {
             self.occlusions.frames_missing(min_captured)

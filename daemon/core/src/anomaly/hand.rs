@@ -3,7 +3,7 @@
 use super::activity::{OpenActivity, Step};
 use super::comparison::{ComparisonResult, Comparisons, Memory};
 use super::grip::LastIu;
-use super::hand_doubt::HandDoubt;
+use super::hand_doubt::{HandDoubt, HandFlags};
 use super::interrupted::Interrupted;
 use super::observation::{IuFlags, IuObservation};
 use super::occlusion::{Cause, OcclusionLog, percent};
@@ -64,8 +64,6 @@ pub(super) struct HandJudge<'a, M> {
     pub(super) last_done: Option<LastIu>,
     /// Why its newest activity was not judged, of which the next one may be the remainder.
     pub(super) newest_unjudged: Option<Cause>,
-    /// The couples have broken off.
-    pub(super) is_broken_off: bool,
 }
 
 /// What was decided on an IU or an activity, and why.
@@ -119,7 +117,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             occlusions: OcclusionLog::new(side, method.period_ns()),
             last_done: None,
             newest_unjudged: None,
-            is_broken_off: false,
         }
     }
 
@@ -136,7 +133,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// The open activity is not watched to its end.
     pub(super) fn break_off(&mut self) {
-        self.is_broken_off = true;
+        self.doubt.flags |= HandFlags::BROKEN_OFF;
         self.lose_place();
     }
 

@@ -28,6 +28,8 @@ impl HandFlags {
     pub(super) const REMAINDER: Self = Self::of(5);
     /// It may be so because nothing was watched before it.
     pub(super) const UNWATCHED: Self = Self::of(6);
+    /// The couples have broken off, or the other hand has begun the next piece: the open activity is not watched to its end.
+    pub(super) const BROKEN_OFF: Self = Self::of(7);
 }
 
 /// What was not seen of one hand, as far as a verdict may depend on it.
@@ -76,7 +78,8 @@ impl HandDoubt {
         (self.hidden_frames, self.gap, self.since_doubt, self.unjudged) = (0, 0, u32::MAX, 0);
         self.clear_frames = None;
         (self.certain, self.since_certain) = (Some(Context::IDLE), 0);
-        self.flags = self.flags & (HandFlags::HAS_BEEN_IDLE | HandFlags::OBJECT_WAS_NEW);
+        self.flags =
+            self.flags & (HandFlags::HAS_BEEN_IDLE | HandFlags::OBJECT_WAS_NEW | HandFlags::BROKEN_OFF);
     }
 
     /// Nothing is known of what the hand does from now on.
@@ -145,7 +148,7 @@ impl HandDoubt {
             let was_in_doubt = before != 0 && self.has(HandFlags::HELD_IN_DOUBT);
             self.flags.put(HandFlags::HELD_IN_DOUBT, was_in_doubt || self.is_recent());
         }
-        self.flags = self.flags.without(HandFlags::HELD_IN_DOUBT.when(!couple.lacks(Unseen::TAKING)));
+        self.flags.put(HandFlags::HELD_IN_DOUBT.when(!couple.lacks(Unseen::TAKING)), false);
     }
 
     /// Whether any of these is so.
@@ -190,7 +193,7 @@ impl HandDoubt {
     /// An IU begins with the newest couple, in doubt or not. Whether the hand was certainly idle at some time since the one before it.
     pub(super) fn begin_iu(&mut self) -> bool {
         let has_been_idle = self.has(HandFlags::HAS_BEEN_IDLE);
-        self.flags = self.flags.without(HandFlags::HAS_BEEN_IDLE);
+        self.flags.put(HandFlags::HAS_BEEN_IDLE, false);
         has_been_idle
     }
 
@@ -249,8 +252,8 @@ impl HandDoubt {
 
     /// What begins now is not the remainder of anything.
     pub(super) fn forget_remainder(&mut self) {
-        let remainder = HandFlags::REMAINDER | HandFlags::UNWATCHED | HandFlags::OBJECT_NEW;
-        (self.flags, self.unjudged) = (self.flags.without(remainder), 0);
+        self.flags.put(HandFlags::REMAINDER | HandFlags::UNWATCHED | HandFlags::OBJECT_NEW, false);
+        self.unjudged = 0;
     }
 
     /// An activity with this object was not judged.

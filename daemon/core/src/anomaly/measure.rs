@@ -27,18 +27,11 @@ impl IuObservation {
         // Hidden motion may have been faster than seen motion.
         let share = HIDDEN_SLACK * hidden;
         let hidden_m = share * self.frames as f32 * speed;
-        let Measures {
-            reversals,
-            path_m: walked_m,
-            detour_m,
-            lateral_m,
-            unseen_before_way,
-            is_error_known,
-            ..
-        } = self.measures;
+        let Measures { reversals, path_m: walked_m, detour_m, lateral_m, unseen_before_way, drift_m, .. } =
+            self.measures;
         // Which frames were seen decides where the steps of a path end, at each reversal and at last. So do errors, where nothing says how large
         // they are.
-        let is_inexact = hidden > 0.0 || may_be_hidden && !is_error_known;
+        let is_inexact = hidden > 0.0 || may_be_hidden && drift_m == 0.0;
         let step_m = if is_inexact { (reversals + 1) as f32 * MOVED_M } else { 0.0 };
         let is_detour = if iu.measures.max_detour_m.is_finite() {
             detour_m > iu.measures.max_detour_m + step_m

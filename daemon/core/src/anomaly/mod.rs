@@ -437,7 +437,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         self.finish(emit);
         self.segmenter.set_between_jobs(false);
         let Bench { hands, progress } = &mut self.bench;
-        hands.iter_mut().for_each(|hand| hand.is_broken_off = false);
+        hands.iter_mut().for_each(|hand| hand.doubt.flags.put(HandFlags::BROKEN_OFF, false));
         progress.is_broken_off = false;
     }
 

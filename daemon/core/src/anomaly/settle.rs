@@ -145,7 +145,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             }
         }
         self.activity = None;
-        self.is_broken_off = false;
+        self.doubt.flags.put(HandFlags::BROKEN_OFF, false);
         progress.set_waiting(self.side, None);
         progress.set_underway(self.side, ActivitySet::EMPTY, Some(ActivitySet::EMPTY));
     }

@@ -43,8 +43,8 @@ pub struct Measures {
     pub cut_strokes: u32,
     /// The share of the frames that were not seen, where what happened in them cannot be known; 0 to 1.
     pub hidden: f32,
-    /// Whether it is known how exactly the positions were seen, as after an encoder has seen its objects lie still.
-    pub is_error_known: bool,
+    /// How far apart two positions may be by drift, in metres; 0 where that is not known.
+    pub drift_m: f32,
 }
 
 impl Measures {
@@ -194,7 +194,7 @@ impl Meter {
             cut_reversals: ended.cut_reversals.saturating_add(ended.may_have_reversed().into()),
             cut_strokes: self.cut_strokes,
             hidden: (ended.hidden / frames).min(1.0),
-            is_error_known: self.drift_m > 0.0,
+            drift_m: self.drift_m,
         }
     }
 }

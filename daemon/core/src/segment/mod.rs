@@ -38,9 +38,10 @@ pub struct Iu {
 }
 
 /// How a job began.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Start {
     /// With a touch, and some of it may have happened before that.
+    #[default]
     Unseen,
     /// With the first touch after a pause in which nothing moved, so that nothing of it can have happened before.
     Seen,

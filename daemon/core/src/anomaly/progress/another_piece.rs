@@ -25,7 +25,7 @@ impl Progress<'_> {
     pub(crate) fn note_another_piece(&mut self, side: Side, nominal: ActivitySet, ius: usize) {
         let fits = |nominal: &NominalActivity<'_>| self.unwatched >= self.exchange(side, nominal, ius);
         let all = self.job.activities;
-        if self.state.is_open && nominal.iter().filter_map(|nominal| all.get(nominal)).any(fits) {
+        if !self.is_concluded() && nominal.iter().filter_map(|nominal| all.get(nominal)).any(fits) {
             self.note_unjudged(self.unseen_cause(), None);
         }
     }

@@ -37,6 +37,18 @@ struct Begin {
     may_have_ended: ActivitySet,
 }
 
+/// How far a job is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Phase {
+    /// It has its verdict, or none has begun.
+    #[default]
+    Over,
+    /// It has begun and has no verdict yet.
+    Open,
+    /// It ends only because a touch may have begun the next one, or in a pause: that is assumed, not seen.
+    EndAssumed,
+}
+
 /// What is known of the open job, or of the one before if none is open. Its sets have the numbers of activities, not those of nominal ones.
 #[derive(Clone, Debug, Default)]
 struct JobState {
@@ -45,8 +57,8 @@ struct JobState {
     began_ns: u64,
     /// Since when a hand that was not seen had worked before it. If the job is right, that was another piece.
     unseen_since_ns: Option<u64>,
-    /// It began on command, so it has a verdict whatever comes.
-    is_commanded: bool,
+    /// One that began on command has a verdict whatever comes.
+    start: Start,
     /// How many activities have begun.
     activities: u16,
     /// How many of them were none: the hand moved nothing, or put right what was done.
@@ -88,12 +100,9 @@ struct JobState {
     /// What of the verdict is known by the first fault, and by the first that was not judged.
     fault: Option<Verdict>,
     first_unjudged: Option<Verdict>,
-    /// The job ended only because a touch may have begun the next one, or in a pause: that is assumed, not seen.
-    is_end_assumed: bool,
     /// The first note.
     note: Option<Note>,
-    /// A job has begun and has no verdict yet.
-    is_open: bool,
+    phase: Phase,
 }
 
 impl JobState {
@@ -188,12 +197,12 @@ impl<'a> Progress<'a> {
         let may_precede = may_precede.without(self.undone_first | self.behind(self.undone_first));
         self.state = JobState {
             began_ns,
-            is_commanded: start == Start::Commanded,
+            start,
             unseen_since_ns,
             is_start_seen: may_precede.is_empty(),
             may_precede,
             left: self.all.without(self.seen_undone),
-            is_open: true,
+            phase: Phase::Open,
             ..JobState::new(self.job)
         };
         self.push(Event::JobBegan { began_ns });
@@ -215,7 +224,7 @@ impl<'a> Progress<'a> {
         let undone = self.undone();
         (self.unseen, self.state.may_precede) =
             (self.unseen.without(undone), self.state.may_precede.without(undone));
-        if !self.state.is_open {
+        if self.is_concluded() {
             self.undone_first |= undone;
         }
     }
@@ -229,7 +238,7 @@ impl<'a> Progress<'a> {
     /// began, and so does all that lay there then.
     pub(super) fn is_set_anew(&self) -> bool {
         let is_back = self.seen_undone & self.state.left;
-        self.state.is_open
+        !self.is_concluded()
             && is_back.intersects(self.state.done | self.state.wrong)
             && self.undone_first.without(self.seen_undone).is_empty()
     }
@@ -427,7 +436,7 @@ impl<'a> Progress<'a> {
         let state = &self.state;
         let has_come = state.fault.is_some() || state.first_unjudged.is_some();
         let is_none = state.given_up > 0 && state.given_up == state.activities && self.possibly().is_empty();
-        is_none && !has_come && !state.is_commanded
+        is_none && !has_come && state.start != Start::Commanded
     }
 
     /// The number of the activity that a nominal activity fulfils.
@@ -540,7 +549,7 @@ impl<'a> Progress<'a> {
 
     /// Whether the job has its verdict.
     pub(super) fn is_concluded(&self) -> bool {
-        !self.state.is_open
+        self.state.phase == Phase::Over
     }
 }
 

@@ -9,7 +9,7 @@
 //! In a job without any order a repeated activity begins the next job. If it were a fault, the next correct piece would be accused after
 //! one that was not completed.
 
-use super::Progress;
+use super::{Phase, Progress};
 use crate::couple::{Context, Couple};
 use crate::input::Side;
 use crate::set::ActivitySet;
@@ -23,14 +23,14 @@ impl Progress<'_> {
     /// did before a doubt.
     pub(crate) fn begins_next_job(&mut self, couple: &Couple, is_disturbed: bool, may_go_on: bool) -> bool {
         let Couple { side, context, .. } = *couple;
-        if !self.state.is_open || self.state.activities == 0 || self.is_unfinished_by_others(side) {
+        if self.is_concluded() || self.state.activities == 0 || self.is_unfinished_by_others(side) {
             return false;
         }
         if is_disturbed && self.state.fault.is_some() {
             return true;
         }
         if self.is_set_anew() {
-            self.state.is_end_assumed = may_go_on;
+            self.state.phase = if may_go_on { Phase::EndAssumed } else { Phase::Open };
             return true;
         }
         let (opening, came, first) =
@@ -49,18 +49,21 @@ impl Progress<'_> {
         };
         // What was not judged may only go on now.
         let is_certain = begins && !may_go_on && !opening.intersects(self.state.unjudged);
-        self.state.is_end_assumed = (begins || may_begin) && !is_certain;
+        let is_assumed = (begins || may_begin) && !is_certain;
+        self.state.phase = if is_assumed { Phase::EndAssumed } else { Phase::Open };
         begins || may_begin
     }
 
     /// The job ends with a pause, so that its end is only assumed.
     pub(crate) fn assume_end(&mut self) {
-        self.state.is_end_assumed = true;
+        if !self.is_concluded() {
+            self.state.phase = Phase::EndAssumed;
+        }
     }
 
     /// Whether the end of the job is only assumed.
     pub(crate) fn is_end_assumed(&self) -> bool {
-        self.state.is_end_assumed
+        self.state.phase == Phase::EndAssumed
     }
 
     /// Whether a touch with this context belongs to the job although all that it requires has come. It is an optional activity that may still come,

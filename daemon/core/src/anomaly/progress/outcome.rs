@@ -1,6 +1,6 @@
 //! The verdict on the job, and why.
 
-use super::{Progress, not_judged, wrong};
+use super::{Phase, Progress, not_judged, wrong};
 use crate::set::ActivitySet;
 use crate::verdict::{Outcome, Reason, Verdict};
 
@@ -8,12 +8,11 @@ impl Progress<'_> {
     /// Gives the verdict on the job once all activities have come that may come, or when it has `ended`. One that has not begun has none.
     pub(crate) fn conclude(&mut self, ended: bool) {
         let is_complete = (self.state.required | self.may_follow()).without(self.tried()).is_empty();
-        if !self.state.is_open || !is_complete && !ended {
+        if self.is_concluded() || !is_complete && !ended {
             return;
         }
-        self.state.is_open = false;
-        let is_given_up = self.is_given_up();
-        let decided = self.outcome();
+        let (is_given_up, decided) = (self.is_given_up(), self.outcome());
+        self.state.phase = Phase::Over;
         let is_right = decided.outcome == Outcome::Ok;
         self.undone_first = ActivitySet::EMPTY;
         let may_go_on = self.tried() | self.possibly();
@@ -50,7 +49,7 @@ impl Progress<'_> {
             Verdict { nearest: Some(lowest as u16), ..wrong(reason) }
         };
         let missing = self.state.required.without(self.state.done | self.state.unjudged);
-        let is_end_certain = !self.state.is_end_assumed;
+        let is_end_certain = !self.is_end_assumed();
         let certainly_missing =
             missing.lowest().filter(|_| is_end_certain && !missing.intersects(self.possibly()));
         // A hand that has touched something and begun no step has not begun the job.

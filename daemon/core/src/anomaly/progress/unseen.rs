@@ -13,7 +13,7 @@ impl Progress<'_> {
     /// Objects have moved without a hand. In the middle of a job that may be a part of it, or the next piece. Before its first step, the step may
     /// have been hidden.
     pub(crate) fn set_moved_unseen(&mut self) {
-        if self.state.is_open && self.state.activities > 0 && !self.is_matched() {
+        if !self.is_concluded() && self.state.activities > 0 && !self.is_matched() {
             if self.state.first_step.is_some() {
                 self.note_unjudged(self.moved_unseen_cause(), None);
             } else {
@@ -25,7 +25,7 @@ impl Progress<'_> {
 
     /// The next job may have begun before the first touch that was seen.
     pub(crate) fn doubt_start(&mut self) {
-        if !self.state.is_open {
+        if self.is_concluded() {
             self.state.carried_over = self.all;
         }
     }
