@@ -73,21 +73,14 @@ impl Default for Method {
 }
 
 /// A constant of the method is out of its range.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{key} is out of its range: it must be {allowed}")]
 pub struct MethodFault {
     /// The name of the constant, as in [`Method`].
     pub key: &'static str,
     /// What is allowed.
     pub allowed: &'static str,
 }
-
-impl core::fmt::Display for MethodFault {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "{} is out of its range: it must be {}", self.key, self.allowed)
-    }
-}
-
-impl core::error::Error for MethodFault {}
 
 impl Method {
     /// The time from one frame of the grid to the next, in nanoseconds.

@@ -101,16 +101,21 @@ use progress::Progress;
 use twice::Twice;
 
 /// Why work cannot be judged against a job.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Unusable {
     /// A constant is out of its range.
+    #[error(transparent)]
     Method(MethodFault),
     /// There is no nominal activity, or there are more than [`ACTIVITIES`].
+    #[error("a job of {given} nominal activities: it must have 1 to {ACTIVITIES}; split the job")]
     Activities {
         /// How many there are.
         given: usize,
     },
     /// A nominal activity has no IU, or more than [`ACTIVITY_IUS`].
+    #[error(
+        "nominal activity {nominal} has {given} IUs: it must have 1 to {ACTIVITY_IUS}; teach the job again"
+    )]
     Ius {
         /// Index of the nominal activity in the job, from 0.
         nominal: usize,
@@ -119,6 +124,10 @@ pub enum Unusable {
     },
     /// An IU has an idle context, or no reference (a release state needs none), or one longer than [`IU_FRAMES`]. Or its threshold is negative or not
     /// a number, or bounds have a minimum above the maximum. Or the first IU is not a touch.
+    #[error(
+        "IU {iu} of nominal activity {nominal} is damaged (idle context, a reference of 0 or over {IU_FRAMES} frames, \
+         a threshold below 0, or a minimum above its maximum): teach the job again"
+    )]
     Iu {
         /// Index of the nominal activity in the job, from 0.
         nominal: usize,
@@ -126,51 +135,24 @@ pub enum Unusable {
         iu: usize,
     },
     /// The number of an activity is [`ACTIVITIES`] or more, its law names one that the job does not have, or laws put it behind itself.
+    #[error(
+        "the law of activity {activity} cannot be kept (a number of {ACTIVITIES} or more, another activity that there is not, \
+         or a circle): teach the job again"
+    )]
     Law {
         /// The number of the activity.
         activity: u16,
     },
     /// More than [`COMPARISONS`] nominal activities have an IU in the same context.
+    #[error(
+        "{needed} nominal activities have an IU in the same context, but only {COMPARISONS} can be compared at once: \
+         split the job, or give the judge more memory"
+    )]
     Comparisons {
         /// How many have.
         needed: usize,
     },
 }
-
-impl core::fmt::Display for Unusable {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Method(fault) => fault.fmt(f),
-            Self::Activities { given } => {
-                write!(
-                    f,
-                    "a job of {given} nominal activities: it must have 1 to {ACTIVITIES}; split the job"
-                )
-            }
-            Self::Ius { nominal, given } => write!(
-                f,
-                "nominal activity {nominal} has {given} IUs: it must have 1 to {ACTIVITY_IUS}; teach the job again"
-            ),
-            Self::Iu { nominal, iu } => write!(
-                f,
-                "IU {iu} of nominal activity {nominal} is damaged (idle context, a reference of 0 or over {IU_FRAMES} \
-                 frames, a threshold below 0, or a minimum above its maximum): teach the job again"
-            ),
-            Self::Law { activity } => write!(
-                f,
-                "the law of activity {activity} cannot be kept (a number of {ACTIVITIES} or more, another activity that there is not, or \
-                 a circle): teach the job again"
-            ),
-            Self::Comparisons { needed } => write!(
-                f,
-                "{needed} nominal activities have an IU in the same context, but only {COMPARISONS} can be compared at once: split the \
-                 job, or give the judge more memory"
-            ),
-        }
-    }
-}
-
-impl core::error::Error for Unusable {}
 
 /// What the judge tells, in the order in which it happens.
 #[derive(Clone, Copy, Debug, PartialEq)]

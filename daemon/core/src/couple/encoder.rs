@@ -12,76 +12,46 @@ use crate::input::Frame;
 use crate::object::ObjectShape;
 
 /// Why an encoder cannot be made.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Unusable {
     /// A constant is out of its range.
+    #[error(transparent)]
     Method(MethodFault),
     /// More objects than [`OBJECTS`].
+    #[error(
+        "{given} objects are more than the {OBJECTS} that one bench may have: leave out those that no hand touches"
+    )]
     TooManyObjects {
         /// Shapes given.
         given: usize,
     },
     /// Two shapes have the same id.
+    #[error("object id {id} is used twice: give every object an id of its own")]
     DuplicateObject {
         /// The id.
         id: u16,
     },
     /// A shape has id 0, no interaction point, or a point or distance that is not finite.
+    #[error(
+        "object {id} needs an id of at least 1 and at least one interaction point, and all its points and distances in \
+         finite metres"
+    )]
     ObjectShape {
         /// The id.
         id: u16,
     },
 }
 
-impl core::fmt::Display for Unusable {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Method(fault) => fault.fmt(f),
-            Self::TooManyObjects { given } => {
-                write!(
-                    f,
-                    "{given} objects are more than the {OBJECTS} that one bench may have: leave out those that no hand touches"
-                )
-            }
-            Self::DuplicateObject { id } => {
-                write!(f, "object id {id} is used twice: give every object an id of its own")
-            }
-            Self::ObjectShape { id } => {
-                write!(
-                    f,
-                    "object {id} needs an id of at least 1 and at least one interaction point, and all its points and distances \
-                     in finite metres"
-                )
-            }
-        }
-    }
-}
-
-impl core::error::Error for Unusable {}
-
 /// Why a frame was refused. A refused frame has changed nothing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Refused {
     /// Its time is that of the newest frame.
+    #[error("the frame has the same time as the one before: the times of frames must increase")]
     Repeated,
     /// It is older than the newest frame.
+    #[error("the frame is older than the one before: frames must come in the order of their times")]
     Late,
 }
-
-impl core::fmt::Display for Refused {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::Repeated => {
-                "the frame has the same time as the one before: the times of frames must increase"
-            }
-            Self::Late => {
-                "the frame is older than the one before: frames must come in the order of their times"
-            }
-        })
-    }
-}
-
-impl core::error::Error for Refused {}
 
 /// Makes the couples of both hands from frames.
 ///

@@ -54,16 +54,19 @@ use crate::capacity::IU_FRAMES;
 use crate::couple::Motion;
 
 /// Why there is no distance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Refused {
     /// A sequence without a frame has no distance to anything.
+    #[error("a sequence without frames has no DTW distance: give at least one frame")]
     Empty,
     /// A sequence is longer than [`IU_FRAMES`].
+    #[error("a sequence of {frames} frames is longer than the {IU_FRAMES} that an IU may have: cut it")]
     TooLong {
         /// Its length in frames.
         frames: usize,
     },
     /// The caller's memory is too small.
+    #[error("DTW needs memory for {needed} items and was given {given}")]
     Memory {
         /// Items needed.
         needed: usize,
@@ -71,27 +74,6 @@ pub enum Refused {
         given: usize,
     },
 }
-
-impl core::fmt::Display for Refused {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Empty => {
-                write!(f, "a sequence without frames has no DTW distance: give at least one frame")
-            }
-            Self::TooLong { frames } => {
-                write!(
-                    f,
-                    "a sequence of {frames} frames is longer than the {IU_FRAMES} that an IU may have: cut it"
-                )
-            }
-            Self::Memory { needed, given } => {
-                write!(f, "DTW needs memory for {needed} items and was given {given}")
-            }
-        }
-    }
-}
-
-impl core::error::Error for Refused {}
 
 /// Checks that a sequence can be compared.
 fn check(sequence: &[Motion]) -> Result<(), Refused> {
