@@ -8,60 +8,46 @@
 //! - *Candidate*: a nominal activity in which the open activity has a place: an element of `J \ L`.
 //! - *Comparison*: the open IU against a nominal IU that it may be: the DTW distance so far, the length and the reversals. It is *lost*
 //!   when it cannot come out right any more. The IU is wrong when all its comparisons are lost.
-//! - *Following*: once no candidate is left, the other IUs of the activity are still judged, each on its own, against the nearest
-//!   nominal activity. That does not change the verdict on the activity.
+//! - *Following*: once no candidate is left, the other IUs are still judged, each on its own, against the nearest nominal activity.
 //! - *Nearest*: the nominal activity with the smallest ratio of distance to threshold, or, where motions say nothing, the one that has the
 //!   context soonest.
 //! - *Matched*: the activity has reached the last IU of a candidate. It *waits* for its verdict while a longer candidate may go on.
-//! - *Out of order*: an activity that breaks a law of the job ([`Law`](crate::job::Law)). Another one must have begun or ended before it, or it must
-//!   not come again.
-//! - *In place of a step*: one that was not shown has done, with another part, the strokes of one that must come now. The part is wrong. Without
-//!   strokes it is once that one is missed: where another one comes that must come behind it, or at the end of the job.
+//! - *Out of order*: an activity that breaks a law of the job ([`Law`](crate::job::Law)).
 //! - *Step*: what an activity is to the job. One that was not shown, with parts of the job, breaks no law and is not judged: a *note* asks
 //!   whether it was right. So does another order, a repetition or another hand that was not shown.
 //! - *Release state*: the hand has let go of an object that still touches another. Such an IU is judged by its context alone,
 //!   at its beginning: it lasts until the next touch, which says nothing about the work.
 //! - *Settle*: to decide on an activity once all events of one frame have been taken for both hands.
 //! - *Doubtful*: so little was seen that a context may have come, gone or been another one ([`Unseen::CHANGE`]).
-//! - *Certain*: seen well enough that it has happened. An IU that began in doubt becomes certain, and is judged as any other, once its context has
-//!   been shown without doubt. What was hidden before lies before it.
-//! - *Ambiguous object*: another one that the hand may have taken, because it was hidden or not seen yet when the hand took `o_j`
-//!   ([`Unseen::TAKING`]). It is none any more when it is seen where it lay and the hand was not near it meanwhile.
+//! - *Certain*: seen well enough that it has happened. An IU that began in doubt is judged once its context has been shown without doubt.
 //! - *Start seen*: nothing of the open job can have happened before what was seen of it. Otherwise what is missing accuses nobody.
-//! - *Conclude*: to give the verdict on an IU, an activity or a job, which happens exactly once. A verdict is *early* if it is given
-//!   before the end.
+//! - *Conclude*: to give the verdict on an IU, an activity or a job, which happens exactly once; *early*, if it is before the end.
 //!
 //! What the paper leaves open is decided as follows. `C`, `L` and `i` start again with every activity. An IU is wrong as soon as the minimum of the
-//! newest DTW row is above the thresholds of all comparisons: it never falls. With free ends the distances in its last five frames must be so as
-//! well. Lengths and reversals have taught bounds, because DTW forgives a repeated motion that is cut short. How long the hand rests at either end of
-//! an IU is not compared as motion ([`Job::has_free_ends`]). DTW pairs ends with ends, and would pair such a rest with motion in a run that has none.
-//! A hand that touches what an activity moves first, moves nothing and lets go has not begun it: no IU. A hand that lets go in the middle of an
-//! activity and takes the same part again goes on with the IU (`interrupted`). One that takes again what it has put down, and lets go of it, puts it
-//! right (`grip`).
+//! newest DTW row is above the thresholds of all comparisons: it never falls. Lengths and reversals have taught bounds, because DTW forgives a
+//! repeated motion that is cut short. It pairs ends with ends, and would pair a rest at an end with motion in a run that has none
+//! ([`Job::has_free_ends`]). A hand may also correct its grip (`interrupted`), think better of a touch or put right what it has done (`grip`).
 //!
 //! # Doubt
 //!
 //! One law: **a verdict is what all completions of the unseen agree on; anything else is not judged.** Whatever observations are deleted from a
 //! recording, its verdicts stay or become not judged. It depends on four quantities, each of which less observation only makes wider:
 //!
-//! - *Where a hand is in an activity* is the set of its places (`places`). What takes less than twice as long as a gap may have come in it. An IU
-//!   that may not have happened leaves the places before it and those after it.
-//! - *What has come of a job* lies between what was judged and that with what may have come unseen (`progress`). Unseen may have come what was hidden
-//!   for half as long as the quickest person needs. So may what came before the first frame, and what a part that was never seen is used for. A law
-//!   is broken, and a step is missing, only if it is so at the wider end. The job is right only if it is so at the narrower one. The bench takes
-//!   away: what lies where the job begins has not come.
-//! - *A measure* lies between what was seen and that with what fits into the gaps (`observation`). Strokes, path and frames may have been hidden,
-//!   ends may have shifted, and the hand may have waited. It is wrong if all of it is out of its bounds.
+//! - *Where a hand is in an activity* is the set of its places (`places`). What takes less than twice as long as a gap may have come in it.
+//! - *What has come of a job* lies between what was judged and that with what may have come unseen (`progress`). It is what was hidden for half as long
+//!   as the quickest person needs, what came before the first frame, and what a part that was never seen is used for. A fault needs the wider end, a
+//!   right job the narrower one. What lies where the job begins has not come.
+//! - *A measure* lies between what was seen and that with what fits into the gaps (`observation`). It is wrong if all of it is out of its bounds.
 //! - *A DTW distance* over a gap is the least that any motion there could have led to. An IU of which less than half was measured is never right. One
 //!   of which fewer frames were captured than the job needs ([`Job::min_captured`]) is neither right nor wrong.
 //!
 //! Three things widen the doubt beyond a gap. An activity that was not judged may go on with the same part, unless the hand was certainly idle
 //! (`hand_doubt`). An activity in progress may have ended, and one that came again, or after all had come, may be of the next piece. Each is a set
-//! that only ever excuses (`progress`). Where nobody watched for long enough, what is seen next may be of another piece. That is how long the
-//! quickest person needs to end this piece and to come so far in another. No job is right that spans such a gap.
+//! that only ever excuses (`progress`). Where nobody watched for long enough, what is seen next may be of another piece
+//! (`progress::another_piece`). No job is right that spans such a gap.
 //!
-//! A verdict of *not judged* says what was missing, and for how long ([`Missing`](crate::verdict::Missing)). It names what was missing most in all
-//! that it depends on, and in the doubt before it. An activity and a job name the first such thing in them.
+//! A verdict of *not judged* names what was missing most in all that it depends on, and for how long ([`Missing`](crate::verdict::Missing)). An
+//! activity and a job name the first such thing in them.
 //!
 //! Some things are assumed, so that more is judged. Hidden strokes go on at the pace of those that were seen, in at most a quarter of an IU
 //! (`observation`). The first step that is seen begins its piece, and both hands are at the same piece (`progress::order`). What was not seen keeps

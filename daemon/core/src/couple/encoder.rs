@@ -1,7 +1,4 @@
 //! Frames in, feature couples out, on the grid of `rate_hz` and `persist_frames` late.
-//!
-//! A contact is known only after `persist_frames`, so all output is that late. Contact and motion then belong to the same moment: the
-//! motion of an IU starts where the IU starts.
 
 use super::Couples;
 use super::grid::{Grid, Location};
@@ -57,11 +54,10 @@ pub enum Refused {
 ///
 /// The couple of a frame is emitted once the frame `persist_frames` later is known. By then a contact that began in it has lasted long enough to be
 /// believed. Velocity and acceleration come from a window centred on it. So contacts and motion have their true time, without phase lag, at the price
-/// of one fixed delay.
+/// of one fixed delay: the motion of an IU starts where the IU starts.
 ///
-/// Not seen is not known. While a hand or an object is not seen, its contacts neither begin nor end. A hidden object that a seen hand carries moves
-/// with the hand. One that a hand covers is assumed to lie where it was last seen. Motion is measured where enough positions around the frame were
-/// seen, and is unknown elsewhere. Each couple says what was seen, assumed and unseen, and whether so little was seen that its context is doubtful.
+/// Not seen is not known. While a hand or an object is not seen, its contacts neither begin nor end, and its motion is unknown. Each couple says what
+/// was seen, assumed and unseen, and whether so little was seen that its context is doubtful.
 ///
 /// A frame in which nobody was watching ([`Frame::is_unseen`]) is one that is missing, but for its time.
 ///

@@ -1,8 +1,8 @@
 //! The noise of positions, from the positions themselves: a displacement within the noise is no motion.
 //!
-//! Jitter differs from frame to frame. It shows in third differences, in which a hand's motion leaves next to nothing. Drift is correlated over
-//! frames. It shows in how far a part seems to move while all hands are seen and none acts on anything. Constants would fit one tracker only. With
-//! errors of 2.5 mm, 624 of 672 right jobs of two hands are right; with constants none was.
+//! Jitter differs from frame to frame, and shows in third differences. Drift is correlated over frames. It shows in how far a part seems to move while
+//! all hands are seen and none acts on anything. Constants would fit one tracker only. With errors of 2.5 mm, 624 of 672 right jobs of two hands are
+//! right; with constants none was.
 
 use super::geometry::{dot, squared_distance};
 use crate::capacity::PERSIST_FRAMES;
@@ -52,9 +52,8 @@ const CLIP_AT_MEANS: f32 = 9.0;
 /// The bound of how far apart jitter lets two positions of an object at rest seem, in metres. It is that of these `positions`, one per frame, `None`
 /// where not known. It is 0 where too few in a row are known to tell.
 ///
-/// Jitter is what differs from frame to frame. The errors of a tracker that filters are correlated, and only `Drift` shows them. Jitter is taken from
-/// third differences, in which the motion of a hand leaves next to nothing. Two strokes of 7 cm per second leave 0.2 mm. One position that is misread
-/// is in four of them, which count no more than large errors do.
+/// In third differences the motion of a hand leaves next to nothing: two strokes of 7 cm per second leave 0.2 mm. One position that is misread is in
+/// four of them, which count no more than large errors do.
 pub fn jitter_bound_m(positions: impl Iterator<Item = Option<Point>>) -> f32 {
     let mut squares: Vec<f32, MAX_DIFFERENCES> = Vec::new();
     // The newest three, the newest first.
@@ -81,9 +80,8 @@ pub fn jitter_bound_m(positions: impl Iterator<Item = Option<Point>>) -> f32 {
     NOISE_BOUND_SIGMAS * libm::sqrtf(mean / THIRD_DIFFERENCE_VARIANCE)
 }
 
-/// How far something that nobody acts on seems to move while a change is believed.
-///
-/// Most trackers filter, so that their errors are correlated, and third differences show little of them. A part at rest shows all of them.
+/// How far something that nobody acts on seems to move while a change is believed. Most trackers filter, so that their errors are correlated, and
+/// third differences show little of them.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Drift {
     known: MeanSquare,

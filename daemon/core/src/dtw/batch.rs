@@ -29,8 +29,7 @@ impl Default for Scratch {
     }
 }
 
-/// The DTW distance of two sequences: the square root of the minimum sum of squared Euclidean local costs, without a window, as
-/// `dtw_ndim.distance` of dtaidistance.
+/// The DTW distance of two sequences, as `dtw_ndim.distance` of dtaidistance.
 ///
 /// # Errors
 /// If a sequence is empty or longer than [`IU_FRAMES`](crate::capacity::IU_FRAMES).

@@ -8,9 +8,7 @@ use super::{Refused, check};
 use crate::capacity::IU_FRAMES;
 use crate::couple::Motion;
 
-/// DTW of a growing sequence against one reference.
-///
-/// Each appended frame adds a row to the DTW matrix, in O(reference length) and fixed memory.
+/// DTW of a growing sequence against one reference. Each frame adds a row to the matrix, in O(reference length) and fixed memory.
 #[derive(Clone, Debug)]
 pub struct OnlineDtw<'a> {
     costs: LocalCosts,
