@@ -10,7 +10,7 @@ use super::occlusion::{Cause, OcclusionLog, too_few_frames};
 use super::places::Transition;
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
-use crate::couple::{Context, Couple, Motion, Unseen, Visibility, Waiting};
+use crate::couple::{Context, Couple, Motion, Unseen};
 use crate::segment::{Iu, Measures};
 use crate::set::ActivitySet;
 use crate::verdict::{Outcome, Reason};
@@ -97,7 +97,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                     | IuFlags::CERTAIN.when(!is_doubtful),
                 ..IuObservation::default()
             },
-            captured: 0,
             measured: None,
         });
         self.judge_context(couple, progress);
@@ -234,22 +233,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             self.confirm_iu(couple, progress);
         }
         let Some(iu) = self.iu.as_mut().filter(|iu| !iu.observation.has(IuFlags::CONCLUDED)) else { return };
-        iu.observation.frames = iu.observation.frames.saturating_add(1);
-        match couple.waiting {
-            Waiting::Yes if self.has_other => iu.observation.waited = iu.observation.waited.saturating_add(1),
-            Waiting::Unknown if self.has_other => {
-                iu.observation.may_have_waited = iu.observation.may_have_waited.saturating_add(1);
-            }
-            _ => {}
-        }
-        iu.observation.measured = iu.observation.measured.saturating_add(couple.motion.is_some().into());
-        iu.observation.assumed =
-            iu.observation.assumed.saturating_add((couple.worst_visibility() != Visibility::Seen).into());
-        iu.observation.measures = measures;
-        let rests = couple.motion.is_some_and(|motion| motion.is_pair_at_rest());
-        let is_doubtful = couple.lacks(Unseen::CHANGE);
-        iu.observation.flags |= IuFlags::HAS_RESTED.when(rests) | IuFlags::DOUBTFUL.when(is_doubtful);
-        iu.captured = iu.captured.saturating_add((!couple.lacks(Unseen::FRAME)).into());
+        iu.observation.push(couple, measures, self.has_other);
         // While the hand is hidden, the IU may have ended already.
         iu.observation.gap_after = if couple.lacks(Unseen::CONTEXT) { self.doubt.gap() } else { 0 };
         let Some(iu) = self.iu else { return };
@@ -290,7 +274,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         {
             activity.ended_ns = iu.ended_ns;
             // Where frames are missing, a contact that came and went soon may only have seemed to.
-            if self.iu.is_some_and(|open| !self.doubt.is_believable(open.captured, open.observation.frames)) {
+            if self.iu.is_some_and(|open| {
+                !self.doubt.is_believable(open.observation.captured, open.observation.frames)
+            }) {
                 activity.doubt_newest_iu();
             }
         }
@@ -363,8 +349,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// Gives the verdict on the IU by its motion and bounds.
     fn decide_by_motion(&mut self, observation: IuObservation, progress: &mut Progress<'a>) {
         let min_captured = progress.job.min_captured;
-        if let Some(iu) = self.iu.filter(|iu| !iu.is_captured(min_captured)) {
-            let cause = too_few_frames(iu.captured, iu.observation.frames, min_captured);
+        if let Some(iu) = self.iu.filter(|iu| !iu.observation.is_captured(min_captured)) {
+            let cause = too_few_frames(iu.observation.captured, iu.observation.frames, min_captured);
             self.conclude_unjudged(cause, progress);
             return;
         }
@@ -421,7 +407,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// showed it, something before it was not seen.
     pub(super) fn unseen_cause(&self, progress: &Progress<'a>) -> Cause {
         let min_captured = progress.job.min_captured;
-        let is_uncaptured = |iu: OpenIu| 2 * iu.captured < iu.observation.frames;
+        let is_uncaptured = |iu: OpenIu| 2 * iu.observation.captured < iu.observation.frames;
         // Where something of the open IU was hidden, that is the reason.
         let is_seen = self.iu.is_none_or(|iu| iu.observation.assumed == 0);
         let is_begun_late = is_seen

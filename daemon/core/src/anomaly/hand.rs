@@ -6,13 +6,13 @@ use super::grip::LastIu;
 use super::hand_doubt::{HandDoubt, HandFlags};
 use super::interrupted::Interrupted;
 use super::observation::{IuFlags, IuObservation};
-use super::occlusion::{Cause, OcclusionLog, percent};
+use super::occlusion::{Cause, OcclusionLog};
 use super::progress::Progress;
 use crate::config::Method;
 use crate::couple::{Context, Couple, Unseen};
 use crate::input::Side;
 use crate::job::Job;
-use crate::verdict::{Level, Measured, Outcome, Reason, Verdict};
+use crate::verdict::{BrokenOrder, Level, Measured, Outcome, Reason, Verdict};
 
 /// An open IU.
 #[derive(Clone, Copy, Debug)]
@@ -24,27 +24,8 @@ pub(super) struct OpenIu {
     /// When it ended; none while it goes on.
     pub(super) ended_ns: Option<u64>,
     pub(super) observation: IuObservation,
-    /// How many of its frames were captured.
-    pub(super) captured: u32,
     /// The measure that is out of its bounds, once that was decided.
     pub(super) measured: Option<Measured>,
-}
-
-impl OpenIu {
-    /// How many of a hundred frames were captured; `None` before the first.
-    fn captured_percent(&self) -> Option<u8> {
-        percent(self.captured, self.observation.frames)
-    }
-
-    /// In how many of a hundred frames the hand and each object that it acts on were seen; `None` before the first.
-    fn seen_percent(&self) -> Option<u8> {
-        percent(self.observation.frames.saturating_sub(self.observation.assumed), self.observation.frames)
-    }
-
-    /// Whether enough frames were captured for the motion to be known as well as the job needs. One frame more or less is no difference.
-    pub(super) fn is_captured(&self, min_share: f32) -> bool {
-        (self.captured + 1) as f32 >= min_share * self.observation.frames as f32
-    }
 }
 
 /// Judges the activities of one hand. How it decides on an IU is in `algorithm`, and on an activity in `settle`.
@@ -200,29 +181,31 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             activity.unjudged = activity.unjudged.or(Some(unseen));
         }
         let is_judged = activity.unjudged.is_none() && activity.never_seen.is_none();
-        let is_certain = activity.is_order_certain();
+        let is_order_certain = activity.is_order_certain();
+        let is_certain =
+            |progress: &Progress<'_>, fault: &BrokenOrder| is_order_certain || progress.is_undone(fault);
         let mut broken = progress.order_fault(self.side, nominal);
         while let Some(fault) = broken
             && is_judged
-            && (is_certain || progress.is_undone(&fault))
+            && is_certain(progress, &fault)
             && progress.blame_part(&fault)
         {
             broken = progress.order_fault(self.side, nominal);
         }
         activity.broken = activity.broken.or(broken);
-        let is_too_early = broken.is_some_and(|broken| progress.is_undone(&broken));
-        let unjudged = activity.unjudged;
-        let (is_order_certain, number) = (activity.is_order_certain(), activity.number);
-        let (outcome, cause, early) = match unjudged {
-            Some(cause) => (Outcome::NotJudged, cause, early),
-            None if broken.is_none() && progress.may_be_of_another_job(self.side, nominal) => {
-                (Outcome::NotJudged, unseen, early)
+        let number = activity.number;
+        let (outcome, cause) = match (activity.unjudged, broken) {
+            (Some(cause), _) => (Outcome::NotJudged, cause),
+            (None, None) if !progress.may_be_of_another_job(self.side, nominal) => {
+                (Outcome::Ok, Reason::None.into())
             }
-            None if broken.is_none() => (Outcome::Ok, Reason::None.into(), early),
-            // If it has no such verdict yet, it was not certain before: a longer candidate would not have been out of order.
-            None if is_order_certain || is_too_early => (Outcome::Anomaly, Reason::WrongOrder.into(), false),
-            None => (Outcome::NotJudged, unseen, early),
+            (None, Some(fault)) if is_certain(progress, &fault) => {
+                (Outcome::Anomaly, Reason::WrongOrder.into())
+            }
+            (None, _) => (Outcome::NotJudged, unseen),
         };
+        // If it is wrong and has no such verdict yet, it was not certain before: a longer candidate would not have been out of order.
+        let early = early && outcome != Outcome::Anomaly;
         self.conclude_activity(Finding::of(outcome, cause, Some(nominal)), early, progress);
         if outcome != Outcome::NotJudged {
             progress.set_done(number, nominal);
@@ -258,8 +241,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             context: iu.context,
             distance: result.map(|result| result.distance as f32),
             threshold: result.map(|result| result.threshold),
-            captured_percent: iu.captured_percent(),
-            seen_percent: iu.seen_percent(),
+            captured_percent: iu.observation.captured_percent(),
+            seen_percent: iu.observation.seen_percent(),
             missing: cause.missing,
             measured,
             early: iu.ended_ns.is_none(),

@@ -1,5 +1,7 @@
 //! What is known of an IU so far, and what of it may have happened unseen.
 
+use super::occlusion::percent;
+use crate::couple::{Couple, Unseen, Visibility, Waiting};
 use crate::segment::{FRAMES_PER_REVERSAL, Measures};
 use crate::set::Set;
 use crate::verdict::Reason;
@@ -29,6 +31,8 @@ impl IuFlags {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct IuObservation {
     pub(super) frames: u32,
+    /// How many of them were captured.
+    pub(super) captured: u32,
     /// In how many of them the hand waited for the other one.
     pub(super) waited: u32,
     /// In how many it may have, because either hand was not seen.
@@ -56,6 +60,36 @@ impl IuObservation {
     /// Whether any of these is so.
     pub(super) fn has(&self, flags: IuFlags) -> bool {
         self.flags.intersects(flags)
+    }
+
+    /// One frame more, with the measures so far; `has_other` is whether there is another hand to wait for.
+    pub(super) fn push(&mut self, couple: &Couple, measures: Measures, has_other: bool) {
+        let waits = |waiting: Waiting| has_other && couple.waiting == waiting;
+        let is_assumed = couple.worst_visibility() != Visibility::Seen;
+        self.frames = self.frames.saturating_add(1);
+        self.captured = self.captured.saturating_add((!couple.lacks(Unseen::FRAME)).into());
+        self.waited = self.waited.saturating_add(waits(Waiting::Yes).into());
+        self.may_have_waited = self.may_have_waited.saturating_add(waits(Waiting::Unknown).into());
+        self.measured = self.measured.saturating_add(couple.motion.is_some().into());
+        self.assumed = self.assumed.saturating_add(is_assumed.into());
+        self.measures = measures;
+        let rests = couple.motion.is_some_and(|motion| motion.is_pair_at_rest());
+        self.flags |= IuFlags::HAS_RESTED.when(rests) | IuFlags::DOUBTFUL.when(couple.lacks(Unseen::CHANGE));
+    }
+
+    /// How many of a hundred frames were captured; `None` before the first.
+    pub(super) fn captured_percent(&self) -> Option<u8> {
+        percent(self.captured, self.frames)
+    }
+
+    /// In how many of a hundred frames the hand and each object that it acts on were seen; `None` before the first.
+    pub(super) fn seen_percent(&self) -> Option<u8> {
+        percent(self.frames.saturating_sub(self.assumed), self.frames)
+    }
+
+    /// Whether enough frames were captured for the motion to be known as well as the job needs. One frame more or less is no difference.
+    pub(super) fn is_captured(&self, min_share: f32) -> bool {
+        (self.captured + 1) as f32 >= min_share * self.frames as f32
     }
 
     /// How many frames the IU lasts without those in which the hand waited for the other one. A hand may wait for any time.
