@@ -60,11 +60,7 @@ impl Interaction {
 
     /// Whether the object is `o_j` or `o_l`.
     pub(super) fn involves(self, object: usize) -> bool {
-        match self {
-            Self::Idle => false,
-            Self::Acts { j, l } => j == object || l == Some(object),
-            Self::Released { j, l } => j == object || l == object,
-        }
+        self.held() == Some(object) || self.pair().is_some_and(|(_, l)| l == object)
     }
 
     /// The interaction in the next frame. `touched` are the edges from the hand, `neighbours` those from an object to others.
@@ -78,11 +74,7 @@ impl Interaction {
         touched: impl Iterator<Item = Edge> + Clone,
         neighbours: impl Fn(usize) -> E,
     ) -> Self {
-        let (former_j, former_l) = match self {
-            Self::Idle => (None, None),
-            Self::Acts { j, l } => (Some(j), l),
-            Self::Released { j, l } => (Some(j), Some(l)),
-        };
+        let (former_j, former_l) = (self.held(), self.pair().map(|(_, l)| l));
         if let Some(j) = nearest(touched, former_j) {
             // `o_l` remains only as long as `o_j` does.
             let former_l = former_l.filter(|_| former_j == Some(j));

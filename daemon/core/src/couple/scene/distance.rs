@@ -84,14 +84,7 @@ type Posed<'a> = (&'a Shape, &'a ObjectPose, Cloud);
 impl Scene {
     pub(super) fn push_edges(&mut self) {
         let planar = self.is_planar();
-        let posed: Vec<Posed<'_>, OBJECTS> = self
-            .objects
-            .iter()
-            .map(|node| {
-                let pose = node.poses.ago(0);
-                (&node.shape, pose, node.shape.points.at(pose.position, pose.orientation, planar))
-            })
-            .collect();
+        let posed: Vec<Posed<'_>, OBJECTS> = self.objects.iter().map(|node| posed(node, 0, planar)).collect();
         let persist = self.method.persist_frames;
         let is_known = |pose: &ObjectPose| pose.source.is_known() && pose.unseen <= self.blind_frames;
         for (hand, edges) in self.hands.iter().zip(&mut self.touches) {
@@ -136,25 +129,24 @@ impl Scene {
     }
 
     pub(super) fn distance_from_hand(&self, hand: usize, j: usize, age: usize) -> f32 {
-        let (node, tips) = (&self.objects[j], self.hands[hand].ago(age).cloud());
-        let (shape, pose) = (&node.shape, node.poses.ago(age));
-        let points = shape.hand.points.unwrap_or(shape.points);
-        tips.map_or(f32::INFINITY, |tips| {
-            tips.distance(&points.at(pose.position, pose.orientation, self.is_planar()))
-        })
+        let planar = self.is_planar();
+        let met = || met_by_hand(&posed(&self.objects[j], age, planar), planar);
+        self.hands[hand].ago(age).cloud().map_or(f32::INFINITY, |tips| tips.distance(&met()))
     }
 
     pub(super) fn distance_of_objects(&self, i: usize, j: usize, age: usize) -> f32 {
-        apart(&self.posed(i, age), &self.posed(j, age), self.is_planar())
+        let planar = self.is_planar();
+        let [one, other] = [i, j].map(|object| posed(&self.objects[object], age, planar));
+        apart(&one, &other, planar)
     }
 
     /// Whether two objects may meet, see [`are_in_reach`].
     pub(super) fn are_in_reach(&self, i: usize, j: usize, age: usize) -> bool {
-        let extent = |object: usize| {
+        let [one, other] = [i, j].map(|object| {
             let node = &self.objects[object];
             (node.poses.ago(age).position, node.shape.radius_m)
-        };
-        are_in_reach(extent(i), extent(j), &self.method.object_contact)
+        });
+        are_in_reach(one, other, &self.method.object_contact)
     }
 
     pub(super) fn hand_contact(&self, object: usize) -> Contact {
@@ -165,15 +157,15 @@ impl Scene {
         contact_of(&self.objects[i].shape, &self.objects[j].shape, &self.method.object_contact)
     }
 
-    fn posed(&self, object: usize, age: usize) -> Posed<'_> {
-        let node = &self.objects[object];
-        let pose = node.poses.ago(age);
-        (&node.shape, pose, node.shape.points.at(pose.position, pose.orientation, self.is_planar()))
-    }
-
     fn is_planar(&self) -> bool {
         self.method.space == Space::Plane
     }
+}
+
+/// An object as it was `age` frames before the newest.
+fn posed(node: &Node, age: usize, planar: bool) -> Posed<'_> {
+    let pose = node.poses.ago(age);
+    (&node.shape, pose, node.shape.points.at(pose.position, pose.orientation, planar))
 }
 
 /// Where a hand meets an object.
@@ -211,7 +203,7 @@ fn extent((shape, pose, _): &Posed<'_>) -> Extent {
 }
 
 /// Whether two objects may meet where this is the usual contact: the radius holds what a learnt one reaches beyond it.
-pub(super) fn are_in_reach(one: Extent, other: Extent, usual: &Contact) -> bool {
+fn are_in_reach(one: Extent, other: Extent, usual: &Contact) -> bool {
     let reach = one.1 + other.1 + usual.off_m;
     squared_distance(one.0, other.0) <= reach * reach
 }

@@ -354,21 +354,11 @@ impl Scene {
 
     fn couple(&self, hand: usize, interaction: Interaction, age: usize) -> Couple {
         let pose = self.hands[hand].ago(age);
-        let (acts, j, l) = match interaction {
-            Interaction::Idle => (false, None, None),
-            Interaction::Acts { j, l } => (true, Some(j), l),
-            Interaction::Released { j, l } => (false, Some(j), Some(l)),
-        };
-        let node = |object: usize| &self.objects[object];
-        let visibility = |object: Option<usize>| {
-            object.map_or(Visibility::Seen, |object| self.object_visibility(node(object).poses.ago(age)))
-        };
-        let from_hand = j.filter(|_| acts);
-        let [h, o_j, o_l] = [
-            from_hand.map(|_| Side::ALL[hand] as u16),
-            j.map(|j| node(j).shape.id),
-            l.map(|l| node(l).shape.id),
-        ];
+        let (j, l) = (interaction.held(), interaction.pair().map(|(_, l)| l));
+        let visibility = |object: usize| self.object_visibility(self.objects[object].poses.ago(age));
+        let [of_j, of_l] = [j, l].map(|object| object.map_or(Visibility::Seen, visibility));
+        let from_hand = j.filter(|j| interaction.acts_on(*j));
+        let (h, id) = (Side::ALL[hand] as u16, |object: usize| self.objects[object].shape.id);
         let tips = from_hand.and_then(|_| self.tips(hand, age));
         // What the two do before it is known that they touch may be the way to where they do.
         let is_known = !self.may_not_touch(interaction);
@@ -376,11 +366,11 @@ impl Scene {
             side: Side::ALL[hand],
             captured_ns: *self.times_ns.ago(age),
             motion: self.motion(hand, from_hand, interaction.pair(), age).filter(|_| is_known),
-            context: match (o_j, o_l) {
-                (Some(j), Some(l)) if acts => Context([h.unwrap_or(0), j, j, l]),
-                (Some(j), Some(l)) => Context([0, 0, j, l]),
-                (Some(j), None) => Context([h.unwrap_or(0), j, 0, 0]),
-                _ => Context::IDLE,
+            context: match interaction {
+                Interaction::Idle => Context::IDLE,
+                Interaction::Acts { j, l: None } => Context([h, id(j), 0, 0]),
+                Interaction::Acts { j, l: Some(l) } => Context([h, id(j), id(j), id(l)]),
+                Interaction::Released { j, l } => Context([0, 0, id(j), id(l)]),
             },
             position: from_hand
                 .filter(|_| is_known)
@@ -391,7 +381,7 @@ impl Scene {
                 from_hand.map_or(f32::INFINITY, |j| self.distance_from_hand(hand, j, age)),
                 interaction.pair().map_or(f32::INFINITY, |(j, l)| self.distance_of_objects(j, l, age)),
             ],
-            visibility: [self.visibility(pose.unseen), visibility(j), visibility(l)],
+            visibility: [self.visibility(pose.unseen), of_j, of_l],
             waiting: Waiting::No,
             unseen: (*self.unseen.ago(age) & Unseen::FRAME)
                 | Unseen::TAKING.when(!self.alternatives[hand].is_empty()),

@@ -6,7 +6,6 @@ use super::super::geometry::distance;
 use super::super::interaction::Interaction;
 use super::super::noise::{MOVED_M, has_moved};
 use super::super::poses::{HandPose, ObjectPose, Recent, Source};
-use super::distance::are_in_reach;
 use super::in_hand::ObjectContact;
 use super::{Node, Scene, squared_distance};
 use crate::capacity::HANDS;
@@ -131,17 +130,12 @@ impl Scene {
             let (interaction, touches) = (self.interactions[index], &self.touches[index]);
             // It takes a while to believe that the hand acts on what it is at.
             let is_at = |j: &usize| interaction.held() == Some(*j) || touches[*j].is_near();
-            let extent = |object: usize| {
-                (self.objects[object].poses.ago(0).position, self.objects[object].shape.radius_m)
-            };
             let mut is_clear = hand.source == Source::Seen;
             let mut hidden_object = 0;
             for (object, node) in self.objects.iter().enumerate() {
                 let is_edge_unknown =
                     |j: usize| j != object && !self.adjacent[object.min(j)][object.max(j)].is_known();
-                let may_touch = |j: usize| {
-                    is_edge_unknown(j) && are_in_reach(extent(j), extent(object), &self.method.object_contact)
-                };
+                let may_touch = |j: usize| is_edge_unknown(j) && self.are_in_reach(j, object, 0);
                 let is_in_doubt = match node.poses.ago(0).source {
                     Source::Never => false,
                     Source::Seen => {
