@@ -292,11 +292,6 @@ impl OpenActivity {
         self.may_have_ended() || self.places.iter().any(|places| !places.is_empty())
     }
 
-    /// Whether what is missing may have happened unseen.
-    pub(super) fn may_be_complete(&self, job: &Job<'_>) -> bool {
-        !self.may_have_come(job).is_empty()
-    }
-
     /// The nominal activities that may have come to their end, with what may have happened unseen. What comes after such an end may be any of those
     /// that still have a place.
     pub(super) fn may_have_come(&self, job: &Job<'_>) -> ActivitySet {
@@ -371,15 +366,10 @@ impl OpenActivity {
         usize::from(self.ius - self.inserted)
     }
 
-    /// Whether the IUs equal those of a nominal activity as they were seen.
-    pub(super) fn is_whole(&self, nominal: usize) -> bool {
-        self.agreeing.contains(nominal)
-    }
-
     /// For each nominal activity, where in it the activity is: as it was seen, unless it agrees with none so.
     fn places_as_seen(&self) -> [Places; ACTIVITIES] {
         let as_seen = self.candidates_as_seen();
-        core::array::from_fn(|nominal| match self.is_whole(nominal) {
+        core::array::from_fn(|nominal| match self.agreeing.contains(nominal) {
             _ if !as_seen.contains(nominal) => Places::NONE,
             true => Places::at(self.as_seen()),
             false => self.places[nominal],

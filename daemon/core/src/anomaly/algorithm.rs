@@ -47,7 +47,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// Takes note of how well the hand is seen in the next couple, this many frames after the last, before anything is decided on it.
     pub(super) fn observe(&mut self, couple: &Couple, frames: u32, progress: &mut Progress<'a>) {
-        self.doubt.observe(couple, frames);
+        let newly_hidden = self.doubt.observe(couple, frames);
         self.occlusions.skip(frames, couple);
         let hidden = self.doubt.hidden_frames();
         progress.set_hidden(self.side, hidden, hidden > 0 || self.doubt.is_doubtful());
@@ -56,7 +56,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         // An IU that began in doubt is confirmed elsewhere.
         let is_certain = self.doubt.is_certain() && (self.iu.is_none() || self.iu_has(IuFlags::CERTAIN));
         if let Some(activity) = &mut self.activity {
-            activity.add_hidden(self.doubt.newly_hidden());
+            activity.add_hidden(newly_hidden);
             if is_certain {
                 // What begins with this couple is not what went on unseen.
                 let context = if self.iu.is_some() { couple.context } else { Context::IDLE };
@@ -84,7 +84,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if activity.step != Step::Untaught || !self.doubt.has(HandFlags::REMAINDER) {
             self.doubt.flags.put(HandFlags::REMAINDER | HandFlags::UNWATCHED, false);
         }
-        let may_be_part = may_be_remainder || self.doubt.may_go_on(context) || self.doubt.is_object_new();
+        let may_be_part = may_be_remainder || self.doubt.may_go_on(context);
         self.iu = Some(OpenIu {
             number,
             context,
@@ -194,7 +194,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let is_certain = self.iu_has(IuFlags::CERTAIN);
         let Some(activity) = &mut self.activity else { return };
         // What else lies there has not been seen for long enough either.
-        let may_be_right = self.doubt.is_object_new() || activity.may_be_right();
+        let may_be_right = self.doubt.has(HandFlags::OBJECT_NEW) || activity.may_be_right();
         if (is_certain || !couple.is_in_sight()) && activity.against == Against::Candidates {
             activity.follow_nearest(progress.job, activity.as_shown(couple.context));
         }

@@ -177,7 +177,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn conclude_matched(&mut self, nominal: usize, early: bool, progress: &mut Progress<'a>) {
         let unseen = self.unseen_cause(progress);
         let Some(activity) = &mut self.activity else { return };
-        if !activity.is_whole(nominal) {
+        if !activity.agreeing.contains(nominal) {
             activity.unjudged = activity.unjudged.or(Some(unseen));
         }
         let is_judged = activity.unjudged.is_none() && activity.never_seen.is_none();
@@ -287,7 +287,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             Outcome::NotJudged => {
                 // Otherwise what comes next with the same object may be the remainder of it.
                 if !activity.has_certainly_ended(progress.job) {
-                    self.doubt.set_unjudged(activity.context);
+                    self.doubt.unjudged = activity.context.0[1];
                 }
                 progress.set_unjudged(nominal, cause);
             }

@@ -19,7 +19,7 @@ impl HandFlags {
     /// until it lets go.
     const HELD_IN_DOUBT: Self = Self::of(1);
     /// The hand may have acted on `o_j` and `o_l` before they were first seen.
-    const OBJECT_NEW: Self = Self::of(2);
+    pub(super) const OBJECT_NEW: Self = Self::of(2);
     /// One of them was new in the newest couple.
     const OBJECT_WAS_NEW: Self = Self::of(3);
     /// The start of the job was not seen, so that this matters wherever it begins.
@@ -47,8 +47,6 @@ pub(super) struct HandDoubt {
     clear_frames: Option<u32>,
     /// How many frames were not clear just before those.
     hidden_before_clear: u32,
-    /// In how many frames since the couple before something may have come and gone.
-    newly_hidden: u32,
     /// Clear frames since the newest doubtful couple.
     since_doubt: u32,
     /// The newest context that was certain, and how many frames ago it was so last.
@@ -59,7 +57,7 @@ pub(super) struct HandDoubt {
     /// [`hidden_before`](Self::hidden_before) at the newest doubtful couple.
     lately_hidden: u32,
     /// `o_j` of the newest activity that was not judged, or 0.
-    unjudged: u16,
+    pub(super) unjudged: u16,
     pub(super) flags: HandFlags,
 }
 
@@ -93,8 +91,9 @@ impl HandDoubt {
         self.flags |= HandFlags::REMAINDER | HandFlags::UNWATCHED;
     }
 
-    /// Takes the next couple, which comes as many frames after the one before: of a long gap, not all have one.
-    pub(super) fn observe(&mut self, couple: &Couple, frames: u32) {
+    /// Takes the next couple, which comes as many frames after the one before: of a long gap, not all have one. Returns in how many of these frames
+    /// something may have come and gone.
+    pub(super) fn observe(&mut self, couple: &Couple, frames: u32) -> u32 {
         let (is_idle, is_certain) = (self.certain == Some(Context::IDLE), self.is_certain());
         // A frame in which nothing can have come and gone interrupts nothing.
         let goes_on = is_idle && !self.is_doubtful();
@@ -120,7 +119,7 @@ impl HandDoubt {
         let is_doubtful = couple.lacks(Unseen::CHANGE) || missing >= self.persist_frames;
         // What began before may have been overlooked for as long as a change takes to be believed.
         let before = self.since_doubt.min(self.persist_frames);
-        self.newly_hidden = if is_doubtful { frames.saturating_add(before) } else { 0 };
+        let newly_hidden = if is_doubtful { frames.saturating_add(before) } else { 0 };
         // Only frames that show something make a change believable.
         self.since_doubt = if is_doubtful { 0 } else { self.since_doubt.saturating_add(is_clear.into()) };
         // The part in a hand may already have been at an object that is seen only now, even if the job's start was seen.
@@ -140,6 +139,7 @@ impl HandDoubt {
         if self.is_doubtful() {
             self.lately_hidden = self.hidden_before();
         }
+        newly_hidden
     }
 
     fn observe_held(&mut self, couple: &Couple) {
@@ -187,7 +187,8 @@ impl HandDoubt {
     /// The newest couple is not doubtful, and the hand acts on nothing new. Before it the hand was certainly idle, for longer than it takes to see
     /// that it holds something.
     pub(super) fn was_idle(&self) -> bool {
-        self.is_idle_for_long() && !self.is_doubtful() && !self.is_object_new()
+        let is_idle = self.idle_frames > self.min_idle_frames();
+        is_idle && !self.is_doubtful() && !self.has(HandFlags::OBJECT_NEW)
     }
 
     /// An IU begins with the newest couple, in doubt or not. Whether the hand was certainly idle at some time since the one before it.
@@ -208,24 +209,10 @@ impl HandDoubt {
         2 * self.persist_frames
     }
 
-    fn is_idle_for_long(&self) -> bool {
-        self.idle_frames > self.min_idle_frames()
-    }
-
-    /// The hand may have acted on what it acts on before that was first seen.
-    pub(super) fn is_object_new(&self) -> bool {
-        self.has(HandFlags::OBJECT_NEW)
-    }
-
-    /// In how many frames since the couple before the newest one something may have come and gone.
-    pub(super) fn newly_hidden(&self) -> u32 {
-        self.newly_hidden
-    }
-
     /// In how many frames something may have come and gone before what begins with the newest couple.
     pub(super) fn hidden_before(&self) -> u32 {
         match self.certain {
-            _ if self.is_object_new() => u32::MAX,
+            _ if self.has(HandFlags::OBJECT_NEW) => u32::MAX,
             _ if !self.is_doubtful() => 0,
             Some(_) => self.since_certain.saturating_add(self.persist_frames),
             None => u32::MAX,
@@ -237,7 +224,7 @@ impl HandDoubt {
     pub(super) fn begin_activity(&mut self, context: Context) -> u32 {
         let is_same = self.certain.is_some_and(|certain| certain.o_j() == context.0[1]);
         let is_remainder =
-            is_same && self.is_doubtful() || self.is_object_new() || self.unjudged == context.0[1];
+            is_same && self.is_doubtful() || self.has(HandFlags::OBJECT_NEW) || self.unjudged == context.0[1];
         let hidden = if is_remainder || self.has(HandFlags::REMAINDER) {
             u32::MAX
         } else if self.since_doubt <= self.min_idle_frames() {
@@ -256,11 +243,6 @@ impl HandDoubt {
         self.unjudged = 0;
     }
 
-    /// An activity with this object was not judged.
-    pub(super) fn set_unjudged(&mut self, context: Context) {
-        self.unjudged = context.0[1];
-    }
-
     /// The object of the hand's newest activity, if that was not judged and the hand still touches the object.
     pub(super) fn unjudged_in_hand(&self) -> Option<u16> {
         (self.context.is_touch() && self.context.o_j() == self.unjudged).then_some(self.unjudged)
@@ -268,7 +250,8 @@ impl HandDoubt {
 
     /// Whether an IU that begins with this context may have begun before. It goes on from before a doubt, or an object was seen for the first time.
     pub(super) fn may_go_on(&self, context: Context) -> bool {
-        self.is_object_new() || self.is_doubtful() && self.certain.is_none_or(|certain| certain == context)
+        self.has(HandFlags::OBJECT_NEW)
+            || self.is_doubtful() && self.certain.is_none_or(|certain| certain == context)
     }
 
     /// Whether the hand may still hold another object than the one that it is said to act on.

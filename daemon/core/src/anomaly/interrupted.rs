@@ -25,8 +25,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn may_be_interrupted(&self, progress: &Progress<'a>) -> bool {
         let Some((open, activity)) = self.iu.zip(self.activity.as_ref()) else { return false };
         let is_of_step = matches!(activity.step, Step::Shown(_)) && activity.against == Against::Candidates;
-        let is_at_end =
-            activity.may_be_complete(progress.job) || activity.matched(self.side, progress).is_some();
+        let is_at_end = !activity.may_have_come(progress.job).is_empty()
+            || activity.matched(self.side, progress).is_some();
         is_of_step
             && open.observation.has(IuFlags::CERTAIN)
             && open.context.is_touch()

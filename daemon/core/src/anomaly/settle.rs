@@ -128,7 +128,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let nearest = activity.nearest.or(activity.candidates().lowest());
         let may_go_on = progress.is_end_assumed()
             || self.doubt.may_hold_another()
-            || activity.may_be_complete(progress.job)
+            || !activity.may_have_come(progress.job).is_empty()
             || activity.is_out_of_sequence() && activity.unjudged.is_some();
         let cause = activity.unjudged.unwrap_or_else(|| self.unseen_cause(progress));
         match activity.matched(self.side, progress) {
