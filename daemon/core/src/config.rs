@@ -116,10 +116,24 @@ impl Method {
             ),
             // This also bounds how many couples one step may emit.
             (self.blind_ms <= 60_000, "blind_ms", "at most 60000 ms"),
+            // Ten minutes, as in the configuration of a station: nobody waits longer for the end of a job.
+            (self.idle_end_ms <= 600_000, "idle_end_ms", "at most 600000 ms"),
         ];
         match checks.into_iter().find(|(right, ..)| !right) {
             Some((_, key, allowed)) => Err(MethodFault { key, allowed }),
             None => Ok(()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pause_of_more_than_ten_minutes_is_refused() {
+        let with = |idle_end_ms| Method { idle_end_ms, ..Method::default() }.check();
+        assert_eq!(with(600_000), Ok(()));
+        assert_eq!(with(600_001).map_err(|fault| fault.key), Err("idle_end_ms"));
     }
 }
