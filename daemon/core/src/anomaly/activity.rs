@@ -15,11 +15,7 @@ use crate::set::ActivitySet;
 use crate::verdict::{BrokenOrder, Measured, Note, Reason};
 use heapless::Vec;
 
-/// What the IUs of an activity are judged against.
-///
-/// ```text
-///   Candidates --- no candidate is left ---> Following
-/// ```
+/// What the IUs of an activity are judged against. Once no candidate is left, it is what is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Against {
     /// `J \ L`: the nominal activities with which all IUs so far agree, where unseen ones may have been.

@@ -23,7 +23,7 @@ const MAX_ERROR: f64 = 2.5;
 
 /// The maximum variances of a velocity and an acceleration that count as measured, as multiples of the variance of a position: in
 /// 1/s² and 1/s⁴. Few positions, or positions mostly on one side of the frame, multiply the noise of each.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Precision {
     velocity: f64,
     acceleration: f64,
@@ -125,7 +125,7 @@ impl Parabola {
 }
 
 /// Turns kinematics into the integers of `x_m`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Quantiser(pub(super) Method);
 
 impl Quantiser {

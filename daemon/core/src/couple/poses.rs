@@ -15,17 +15,13 @@ const COVERED_M: f32 = 0.12;
 pub(super) const REMEMBERED: usize = 2 * PERSIST_FRAMES + 1;
 
 /// The newest [`REMEMBERED`] items, the newest at age 0.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Recent<T> {
     items: [T; REMEMBERED],
     newest: usize,
 }
 
 impl<T: Copy> Recent<T> {
-    pub(super) fn new(nothing: T) -> Self {
-        Self { items: [nothing; REMEMBERED], newest: 0 }
-    }
-
     pub(super) fn push(&mut self, item: T) {
         self.newest = (self.newest + 1) % REMEMBERED;
         self.items[self.newest] = item;
@@ -51,6 +47,9 @@ impl<T: Copy> Recent<T> {
         &self.items[(self.newest + REMEMBERED - age.min(REMEMBERED - 1)) % REMEMBERED]
     }
 }
+
+/// The orientation of the bench.
+pub(super) const UPRIGHT: Quaternion = [1.0, 0.0, 0.0, 0.0];
 
 /// Where a pose comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,16 +106,22 @@ pub(super) struct HandPose {
     pub(super) held_at: Option<Point>,
 }
 
-impl HandPose {
-    pub(super) const NEVER: Self = Self {
-        source: Source::Never,
-        unseen: u32::MAX,
-        middle_knuckle: [0.0; 3],
-        wrist: [0.0; 3],
-        tips: [[0.0; 3]; 3],
-        held_at: None,
-    };
+impl Default for HandPose {
+    /// It has never been seen.
+    fn default() -> Self {
+        let nowhere = [0.0; 3];
+        Self {
+            source: Source::Never,
+            unseen: u32::MAX,
+            middle_knuckle: nowhere,
+            wrist: nowhere,
+            tips: [nowhere; 3],
+            held_at: None,
+        }
+    }
+}
 
+impl HandPose {
     /// The pose of a hand that is seen; `None` if a number is not finite or too large.
     pub(super) fn seen(hand: &Hand, space: Space) -> Option<Self> {
         let points = [hand.wrist, hand.middle_knuckle, hand.tips[0], hand.tips[1], hand.tips[2]];
@@ -195,14 +200,14 @@ pub(super) struct ObjectPose {
     pub(super) orientation: Quaternion,
 }
 
-impl ObjectPose {
-    pub(super) const NEVER: Self = Self {
-        source: Source::Never,
-        unseen: u32::MAX,
-        position: [0.0; 3],
-        orientation: [1.0, 0.0, 0.0, 0.0],
-    };
+impl Default for ObjectPose {
+    /// It has never been seen.
+    fn default() -> Self {
+        Self { source: Source::Never, unseen: u32::MAX, position: [0.0; 3], orientation: UPRIGHT }
+    }
+}
 
+impl ObjectPose {
     /// The pose of an object that is seen; `None` if a number is not finite or too large, or the quaternion has length zero.
     pub(super) fn seen(object: &Object, space: Space) -> Option<Self> {
         if !is_near(object.position) {

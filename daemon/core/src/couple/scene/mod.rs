@@ -17,7 +17,7 @@ use super::geometry::squared_distance;
 use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
 use super::noise::{Drift, MOVED_M, has_moved, jitter_bound_m};
-use super::poses::{Grip, HandPose, ObjectPose, REMEMBERED, Recent, Source};
+use super::poses::{Grip, HandPose, ObjectPose, REMEMBERED, Recent, Source, UPRIGHT};
 use super::{Context, Couple, Couples, Motion, Unseen, Visibility, Waiting};
 use crate::capacity::{HANDS, OBJECTS};
 use crate::config::Method;
@@ -57,7 +57,7 @@ impl Node {
     fn new(shape: Shape) -> Self {
         Self {
             shape,
-            poses: Recent::new(ObjectPose::NEVER),
+            poses: Recent::default(),
             known_frames: 0,
             misreading: Misreading::default(),
             drift: Drift::default(),
@@ -69,7 +69,7 @@ impl Node {
 }
 
 /// Poses and edges of the newest frames of the grid.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Scene {
     method: Method,
     quantiser: Quantiser,
@@ -141,32 +141,9 @@ impl Scene {
             blind_frames: libm::ceil(f64::from(method.blind_ms) * f64::from(method.rate_hz) / 1000.0) as u32,
             precision: Precision::new(&method),
             window_s: 1.5 * f64::from(method.persist_frames) / f64::from(method.rate_hz),
-            times_ns: Recent::new(0),
-            unseen: Recent::new(Unseen::EMPTY),
-            clear: [0; HANDS],
-            hidden_objects: core::array::from_fn(|_| Recent::new(0)),
-            handless_frames: 0,
-            idle_frames: 0,
-            twice: ObjectSet::EMPTY,
-            at_start: ObjectSet::EMPTY,
-            displaced: [ObjectSet::EMPTY; HANDS],
-            may_be_taken: [ObjectSet::EMPTY; HANDS],
-            may_be_touched: [ObjectSet::EMPTY; HANDS],
-            alternatives: [ObjectSet::EMPTY; HANDS],
-            unattended: ObjectSet::EMPTY,
-            hands: core::array::from_fn(|_| Recent::new(HandPose::NEVER)),
-            misreadings: [Misreading::default(); HANDS],
-            sides: Sides::default(),
             objects,
-            touches: [[Edge::default(); OBJECTS]; HANDS],
-            in_hand: [[InHand::No; OBJECTS]; HANDS],
-            led: [ObjectSet::EMPTY; HANDS],
-            adjacent: [[Edge::default(); OBJECTS]; OBJECTS],
-            object_contacts: [[ObjectContact::No; OBJECTS]; OBJECTS],
-            interactions: [Interaction::Idle; HANDS],
-            holds: [None; HANDS],
             lasted: [u32::MAX; HANDS],
-            began: [Unseen::EMPTY; HANDS],
+            ..Self::default()
         }
     }
 
@@ -268,7 +245,7 @@ impl Scene {
                 _ => before.held(self.hands.iter().any(covers)),
             };
             if node.shape.is_position_only {
-                pose.orientation = ObjectPose::NEVER.orientation;
+                pose.orientation = UPRIGHT;
             }
             node.known_frames = node.known_frames.saturating_add((pose.source != Source::Never).into());
             node.poses.push(pose);
