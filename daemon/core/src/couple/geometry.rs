@@ -33,10 +33,6 @@ pub(crate) fn squared_distance(one: Point, other: Point) -> f32 {
     dot(apart, apart)
 }
 
-pub(super) fn is_finite(a: &[f32]) -> bool {
-    a.iter().all(|value| value.is_finite())
-}
-
 /// The quaternion of a rotation about z by `yaw` radians.
 pub(super) fn about_z(yaw: f32) -> Quaternion {
     [libm::cosf(yaw / 2.0), 0.0, 0.0, libm::sinf(yaw / 2.0)]

@@ -2,8 +2,7 @@
 //! and so does a hidden hand with what it carries.
 
 use super::geometry::{
-    Cloud, Quaternion, about_z, add, distance, inverse, is_finite, rotated, rotation_after, subtract, unit,
-    yaw,
+    Cloud, Quaternion, about_z, add, distance, inverse, rotated, rotation_after, subtract, unit, yaw,
 };
 use crate::capacity::PERSIST_FRAMES;
 use crate::input::{Hand, Object, Point, Space};
@@ -241,7 +240,7 @@ impl ObjectPose {
 
 /// Whether a point can be on a bench: finite, and within a kilometre, so that no square of it overflows.
 fn is_near(point: Point) -> bool {
-    is_finite(&point) && point.iter().all(|value| value.abs() < 1000.0)
+    point.iter().all(|value| value.abs() < 1000.0)
 }
 
 /// How an object lies in the hand that carries it: as a rigid body that rotates with the hand about z and keeps its tilt.

@@ -20,26 +20,17 @@ pub(super) struct Way {
     spacing_m: f32,
     /// Where the newest step ended.
     step: Point,
-    lateral_m: f32,
-    /// In how many frames just before its first point the hand was not seen.
-    unseen_before: u32,
+    /// How far it has led off the straight line so far, in metres. The greatest distance that a point of it had, at any time, from the line between
+    /// where it began and where the hand was then. It never becomes less.
+    pub(super) lateral_m: f32,
+    /// In how many frames just before its first point the hand was not seen: it may have begun elsewhere.
+    pub(super) unseen_before: u32,
 }
 
 impl Way {
     /// A way that begins after as many frames in which the hand was not seen.
     pub(super) const fn after(unseen: u32) -> Self {
         Self { points: Vec::new(), spacing_m: MOVED_M, step: [0.0; 3], lateral_m: 0.0, unseen_before: unseen }
-    }
-
-    /// How far it has led off the straight line so far, in metres. The greatest distance that a point of it had, at any time, from the line between
-    /// where it began and where the hand was then. It never becomes less.
-    pub(super) fn lateral_m(&self) -> f32 {
-        self.lateral_m
-    }
-
-    /// In how many frames just before its first point the hand was not seen: it may have begun elsewhere.
-    pub(super) fn unseen_before(&self) -> u32 {
-        self.unseen_before
     }
 
     /// Takes the next frame, with the finger tips in the bench frame if they are known.
@@ -101,7 +92,7 @@ mod tests {
         let mut measured = Way::after(0);
         let lateral = |tips| {
             measured.push(tips);
-            measured.lateral_m()
+            measured.lateral_m
         };
         way.into_iter().map(lateral).collect()
     }
@@ -159,6 +150,6 @@ mod tests {
         check(hidden, 0.3);
         let mut way = Way::after(2);
         [None, None, Some([0.0; 3]), None].into_iter().for_each(|tips| way.push(tips));
-        assert_eq!(way.unseen_before(), 4);
+        assert_eq!(way.unseen_before, 4);
     }
 }
