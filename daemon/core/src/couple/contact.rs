@@ -162,7 +162,7 @@ mod tests {
     }
 
     /// The answers of the edge for each frame.
-    fn asked(distances: &[f32], persist: u8, ask: impl Fn(&mut Edge, usize, u8) -> bool) -> Vec<bool> {
+    fn asked<T>(distances: &[f32], persist: u8, ask: impl Fn(&mut Edge, usize, u8) -> T) -> Vec<T> {
         let mut edge = Edge::default();
         let mut answers = Vec::new();
         for (newest, distance) in distances.iter().enumerate() {
@@ -175,7 +175,7 @@ mod tests {
                 answers.push(ask(&mut edge, persist.into(), persist));
             }
         }
-        for age in (0..usize::from(persist)).rev() {
+        for age in (0..usize::from(persist).min(distances.len())).rev() {
             answers.push(ask(&mut edge, age, persist));
         }
         answers
@@ -265,27 +265,13 @@ mod tests {
     /// For each frame, whether a contact is believed, and whether that is certain. For that, the frame and at least half of the window are known, and
     /// they show no change that is not believed.
     fn claims(distances: &[f32], persist: u8) -> Vec<(bool, bool)> {
-        let mut edge = Edge::default();
-        let mut claims = Vec::new();
-        let mut ask = |edge: &mut Edge, age: usize| {
+        asked(distances, persist, |edge, age, persist| {
             let is_believed = edge.believe(age, persist);
             let frames = ahead(age, persist);
             let is_known = edge.known >> age & 1 == 1
                 && 2 * (edge.known & frames).count_ones() + 1 >= frames.count_ones();
-            claims.push((is_believed, is_known && !edge.may_have_changed(age, persist)));
-        };
-        for (newest, distance) in distances.iter().enumerate() {
-            if distance.is_nan() {
-                edge.push_unknown();
-            } else {
-                edge.push(*distance, &CONTACT, persist);
-            }
-            if newest >= usize::from(persist) {
-                ask(&mut edge, persist.into());
-            }
-        }
-        (0..usize::from(persist).min(distances.len())).rev().for_each(|age| ask(&mut edge, age));
-        claims
+            (is_believed, is_known && !edge.may_have_changed(age, persist))
+        })
     }
 
     proptest! {
