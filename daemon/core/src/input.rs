@@ -109,8 +109,7 @@ pub struct Frame {
     pub hands: Vec<Hand, HANDS>,
     /// The objects seen, at most one per id.
     pub objects: Vec<Object, OBJECTS>,
-    /// Whatever sees was not watching when it was captured, as where the picture is black or stands still. It counts as a frame that never came, and
-    /// what it holds is no observation.
+    /// Nobody was watching when it was captured, as where the picture is black or stands still: it counts as a frame that never came.
     pub is_unseen: bool,
     /// The ids of what is not among the objects because its marker is in view twice. Nobody knows which of the two lies on it.
     pub twice: Vec<u16, OBJECTS>,

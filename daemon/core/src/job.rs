@@ -118,8 +118,7 @@ const FASTEST_SHARE: f32 = 0.6;
 const FRAMES_PER_WORK_FRAME: u32 = 4;
 
 impl NominalIu<'_> {
-    /// In how few frames it may have been done where nobody saw it; 0 for what comes about without a hand. Who waited in it worked for less time
-    /// than the reference lasts.
+    /// In how few frames it may have been done unseen; 0 for what comes without a hand. Who waited worked for less than the reference lasts.
     pub(crate) fn quickest(&self) -> u32 {
         let length = self.reference.len() as u32;
         let worked = self
@@ -164,8 +163,7 @@ pub struct Law {
     pub usually_after: ActivitySet,
     /// Whether a job without it is not complete. What is optional accuses nobody where it is missing.
     pub is_required: bool,
-    /// The indices of the nominal activities that do only a part of what was shown. Where one of them comes, a job without this activity is not
-    /// complete either.
+    /// The indices of the nominal activities that do only a part: where one of them comes, a job without this activity is not complete either.
     pub completes: ActivitySet,
     /// Whether it must not come a second time; otherwise that is a note.
     pub is_once: bool,
@@ -256,8 +254,7 @@ impl Job<'_> {
     }
 }
 
-/// The factor by which the threshold of an IU of this many frames grows. It is its length as a multiple of that of its reference, limited to the
-/// range from 1 to `max_slowdown`.
+/// The factor by which the threshold of an IU of this many frames grows: its length in those of its reference, from 1 to `max_slowdown`.
 pub fn slowdown_factor(frames: u32, reference: usize, max_slowdown: f32) -> f32 {
     (frames as f32 / reference.max(1) as f32).clamp(1.0, max_slowdown.max(1.0))
 }

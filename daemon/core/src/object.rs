@@ -21,8 +21,7 @@ pub struct ObjectShape {
     pub id: u16,
     /// Interaction points in metres in the object's frame.
     pub interaction_points: Vec<Point, INTERACTION_POINTS>,
-    /// Where and how near the runs of a job have shown it to be met. What is not here is met at its interaction points, as near as
-    /// [`Method`](crate::config::Method) says.
+    /// Where and how near runs have shown it to be met; else at its interaction points, as [`Method`](crate::config::Method) says.
     pub contact_regions: Vec<ContactRegion, CONTACT_REGIONS>,
     /// The ids of the objects with which it has no contact, however near they come. The runs of the job agree only without it, as where both are at a
     /// third object. It is enough if one of the two names the other.
@@ -46,8 +45,7 @@ impl ObjectShape {
 pub struct ContactRegion {
     /// The id of the other object, or [`ContactRegion::HAND`].
     pub with: u16,
-    /// Where the finger tips, or the position of the other object, then are, in metres in the frame of this object. Empty: at the
-    /// interaction points.
+    /// Where the finger tips, or the other object, then are, in metres in the frame of this one. Empty: at the interaction points.
     pub points: Vec<Point, INTERACTION_POINTS>,
     /// How near they come to these.
     pub contact: Contact,

@@ -29,8 +29,7 @@ pub(super) enum Against {
 pub(super) enum Step {
     /// The job has it, by this hand. What the other hand does otherwise than this one was shown is a step that was not shown.
     Shown(Side),
-    /// No activity of the job begins so, and all its parts belong to the job: a hand that rests, steadies or helps. It is not judged
-    /// against anything.
+    /// No activity of the job begins so, and all its parts are the job's: a hand that rests, steadies or helps. It is judged against nothing.
     Untaught,
     /// The job has nothing to do with its parts.
     Foreign,
@@ -95,8 +94,7 @@ pub(super) struct OpenActivity {
     end_frames: u32,
     /// The nominal activities all of whose IUs may have come before the newest one, which then belongs to another activity with the same part.
     possibly_ended: ActivitySet,
-    /// An object that it may use and that was unseen up to some time in it; 0 where it is not known which. What it looks like without that is not
-    /// known.
+    /// An object that it may use, unseen up to some time in it; 0 where it is not known which. What it looks like without that is not known.
     pub(super) never_seen: Option<u16>,
     /// It has its verdict.
     pub(super) is_concluded: bool,
@@ -155,8 +153,7 @@ impl OpenActivity {
         }
     }
 
-    /// Takes the context of the next IU and returns the number of that IU. `to_it` says how it begins. With `was_idle` the hand was certainly idle at
-    /// some time since the IU before it.
+    /// Returns the number of the next IU, which has this context. With `was_idle` the hand was certainly idle since the one before.
     pub(super) fn next_iu(
         &mut self,
         job: &Job<'_>,
@@ -288,8 +285,7 @@ impl OpenActivity {
         self.may_have_ended() || self.places.iter().any(|places| !places.is_empty())
     }
 
-    /// The nominal activities that may have come to their end, with what may have happened unseen. What comes after such an end may be any of those
-    /// that still have a place.
+    /// The nominal activities that may have come to their end, some of it unseen. What comes after that may be any that still has a place.
     pub(super) fn may_have_come(&self, job: &Job<'_>) -> ActivitySet {
         let hidden = self.transition.hidden;
         let all = self.places.iter().zip(job.activities).enumerate();
@@ -447,8 +443,7 @@ impl OpenActivity {
         self.step == Step::Untaught && job.passive_contacts.contains(&self.context.0[1])
     }
 
-    /// Whether there is no fault in it, whatever was not seen. The hand rests where it was shown to, or it does a step that the job can do without,
-    /// and no order is broken.
+    /// Whether nothing in it is a fault: it rests where it was shown to, or does what the job can do without, in order.
     pub(super) fn can_be_no_fault(&self, job: &Job<'_>) -> bool {
         self.is_passive(job) || self.may_be_passive && self.broken.is_none()
     }
@@ -470,8 +465,7 @@ impl OpenActivity {
         }
     }
 
-    /// The candidate whose last IU has been reached, but for a release state, which leaves nothing to do. Of several, one that is not out
-    /// of order comes first, then the nearest.
+    /// The candidate whose last IU has come, but for a release state, which leaves nothing to do: one in order before others, then the nearest.
     pub(super) fn matched(&self, side: Side, progress: &Progress<'_>) -> Option<usize> {
         let places = self.places_as_seen();
         let has_ended = |nominal: &usize| places[*nominal].is_at_end(progress.job.activities[*nominal].ius);
@@ -483,8 +477,7 @@ impl OpenActivity {
         })
     }
 
-    /// An IU with this number and context has ended. Keeps the nominal activities that have it there, with another part in place of the one that
-    /// the hand took.
+    /// An IU with this number and context has ended. Keeps the nominal activities that have it there, but for the part that the hand took.
     pub(super) fn compare_but_for_part(&mut self, job: &Job<'_>, iu: usize, context: Context) {
         let taken = self.context.0[1];
         let is_like = |nominal: &usize| {

@@ -337,8 +337,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         self.iu = None;
     }
 
-    /// The runs show the two parts at rest beside each other. Here they only passed, and no candidate goes on with the next context: it is not known
-    /// whether they touched.
+    /// The runs show the two parts at rest side by side. Here they passed, and no candidate goes on so: whether they touched is not known.
     fn conclude_passing(&mut self, progress: &mut Progress<'a>) {
         if let Some(activity) = &mut self.activity {
             activity.doubt_newest_iu();

@@ -73,8 +73,7 @@ impl<'a, M> Memory<'a> for M where
 {
 }
 
-/// The maximum number of comparisons of a hand at the same time: how many nominal IUs of the job have the same context. Either hand may do
-/// what the other one was shown to do.
+/// The maximum number of comparisons of a hand at once: how many nominal IUs have the same context. Either hand may do what was shown.
 pub(super) fn needed(job: &Job<'_>) -> usize {
     let contexts = || job.activities.iter().flat_map(|nominal| nominal.ius).map(|iu| iu.context);
     let touches = contexts().filter(|context| context.is_touch());

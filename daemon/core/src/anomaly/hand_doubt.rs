@@ -15,8 +15,7 @@ pub(super) type HandFlags = Set<HandDoubt>;
 impl HandFlags {
     /// It was certainly idle in some frame since it last acted.
     const HAS_BEEN_IDLE: Self = Self::of(0);
-    /// Which of several objects the hand acts on was decided when too little was seen, or before one of them was first seen. It keeps to that one
-    /// until it lets go.
+    /// Which of several objects it acts on was decided when too little was seen, or one had never been seen. It keeps to that until it lets go.
     const HELD_IN_DOUBT: Self = Self::of(1);
     /// The hand may have acted on `o_j` and `o_l` before they were first seen.
     pub(super) const OBJECT_NEW: Self = Self::of(2);
@@ -42,8 +41,7 @@ pub(super) struct HandDoubt {
     hidden_frames: u32,
     /// How many frames up to the newest one were not clear, or up to the one before if the newest is clear.
     gap: u32,
-    /// How many frames up to the newest one were clear, and more if none before them is known to have been unclear; `None` if the hand has not been
-    /// seen.
+    /// How many frames up to the newest were clear, and more if none before them was known to be unclear; `None` before it was seen.
     clear_frames: Option<u32>,
     /// How many frames were not clear just before those.
     hidden_before_clear: u32,
@@ -91,8 +89,7 @@ impl HandDoubt {
         self.flags |= HandFlags::REMAINDER | HandFlags::UNWATCHED;
     }
 
-    /// Takes the next couple, which comes as many frames after the one before: of a long gap, not all have one. Returns in how many of these frames
-    /// something may have come and gone.
+    /// Takes the next couple, which comes as many frames later. Returns in how many of these frames something may have come and gone.
     pub(super) fn observe(&mut self, couple: &Couple, frames: u32) -> u32 {
         let (is_idle, is_certain) = (self.certain == Some(Context::IDLE), self.is_certain());
         // A frame in which nothing can have come and gone interrupts nothing.
@@ -184,8 +181,7 @@ impl HandDoubt {
         self.certain.is_some() && self.since_certain == 0
     }
 
-    /// The newest couple is not doubtful, and the hand acts on nothing new. Before it the hand was certainly idle, for longer than it takes to see
-    /// that it holds something.
+    /// The newest couple is not doubtful, nor the object new. Before it the hand was idle for longer than it takes to see that it holds something.
     pub(super) fn was_idle(&self) -> bool {
         let is_idle = self.idle_frames > self.min_idle_frames();
         is_idle && !self.is_doubtful() && !self.has(HandFlags::OBJECT_NEW)

@@ -10,9 +10,8 @@ use crate::verdict::{Measure, Measured, Reason};
 const PER_STROKE: u32 = 2;
 
 impl IuObservation {
-    /// The rule that a measure breaks, with the one that says most to a person: strokes rather than the time they take. With
-    /// `may_be_hidden` only if no motion in the frames that were not seen could have kept it. A path that was seen is not
-    /// too long only because something else was not.
+    /// The rule that a measure breaks, with the one that says most to a person: strokes rather than their time. With `may_be_hidden` only if no motion
+    /// in the frames that were not seen could have kept it. A path that was seen is not too long only because something else was not.
     pub(super) fn broken(&self, iu: &NominalIu<'_>, may_be_hidden: bool) -> Option<(Reason, Measure)> {
         let hidden = if may_be_hidden { self.hidden() } else { 0.0 };
         let [min_frames, max_frames] =
@@ -150,9 +149,8 @@ fn first(measures: &[(bool, Measure)]) -> Option<Measure> {
     measures.iter().find(|(is_broken, _)| *is_broken).map(|(_, measure)| *measure)
 }
 
-/// The strokes to and fro in these numbers of reversals: of the IU, and the minimum and maximum that were shown. A stroke has two reversals, and
-/// where a hand comes from or goes to makes one more or less: people count whole strokes. A half is counted only where it makes the
-/// difference.
+/// The strokes to and fro in these numbers of reversals, two each: of the IU, and the minimum and maximum that were shown. Where a hand comes from or
+/// goes to makes one more or less, so people count whole strokes. A half is counted only where it makes the difference.
 fn strokes([value, min, max]: [u32; 3]) -> [f32; 3] {
     let most = max / PER_STROKE;
     let least = min.div_ceil(PER_STROKE).min(most);

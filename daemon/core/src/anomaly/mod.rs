@@ -258,9 +258,8 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         self.segmenter.is_between_jobs()
     }
 
-    /// Takes the next couples. Where some are missing before them, nothing was seen. So it is with those that were on their way when the encoder
-    /// ended and started again. What was not seen for longer than `blind_ms` is out of sight. An encoder that has started again does not see at once
-    /// what a hand holds.
+    /// Takes the next couples. Where some are missing before them, nothing was seen, and after `blind_ms` all is out of sight. So it is with those
+    /// that were on their way when the encoder started again. It does not see at once then what a hand holds.
     pub fn step(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
         let couples = &self.bench.progress.of_job(couples);
         self.twice.follow(couples.ids(couples.twice), couples.captured_ns);
@@ -419,8 +418,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
 }
 
 impl<'a, M: Memory<'a>> Bench<'a, M> {
-    /// The encoder has started again: it knows nothing of what came before, and the next job may have begun. Returns in how many frames it may
-    /// not see yet that a hand holds something.
+    /// The encoder has started again, and the next job may have begun. Returns for how many frames it may not see that a hand holds something.
     fn forget(&mut self) -> u32 {
         self.progress.forget_seen();
         self.progress.doubt_start();

@@ -97,8 +97,7 @@ impl IuObservation {
         self.frames.saturating_sub(self.waited)
     }
 
-    /// The minimum number of frames that the hand may have worked, and the maximum that the IU may have. A frame that was not seen may shift
-    /// either end by one.
+    /// The minimum of frames in which the hand may have worked, and the maximum of the IU. A frame that was not seen may shift either end by one.
     pub(super) fn possible_frames(&self) -> [u32; 2] {
         let shift = self.assumed.min(ENDS);
         let not_work = self.gap_after.saturating_add(shift).saturating_add(self.may_have_waited);

@@ -125,8 +125,7 @@ impl OcclusionLog {
         }
     }
 
-    /// Why too little is known of what these hands did: frames that never came or frames that did not show it, whichever are more. `None` where all
-    /// frames came and showed everything.
+    /// Why too little is known of these hands: frames that never came, or did not show it, whichever are more; `None` without any.
     pub(super) fn cause(logs: &[Self], min_captured: f32) -> Option<Cause> {
         let uncaptured = logs.iter().max_by_key(|log| log.uncaptured)?;
         let captured = logs.iter().max_by_key(|log| log.captured)?;

@@ -95,8 +95,7 @@ impl Places {
         Self((0..=nominal.len()).filter(may_be_at).fold(0, |places, ius| places | 1 << ius))
     }
 
-    /// These places, and any after them that IUs may have led to in as many hidden frames. An IU of which more than half is seen is not
-    /// overlooked.
+    /// These places, and any to which IUs may have led in as many hidden frames. An IU of which more than half is seen is not overlooked.
     fn or_later(self, hidden: u32, nominal: &[NominalIu<'_>]) -> Self {
         let mut places = self;
         // For how many frames the IUs that led to the place last at least.

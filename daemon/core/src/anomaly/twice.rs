@@ -44,8 +44,7 @@ impl Twice {
         place.into_iter().for_each(|place| *place = Some(new));
     }
 
-    /// The same event. If it is not judged because a marker is in view twice, that marker is the reason. It is that of the missing object where this
-    /// is known, else the one that came last.
+    /// The same event, with the marker in view twice as the reason where it is one: that of the missing object, or else the newest.
     pub(super) fn named(&self, event: Event) -> Event {
         let Event::Verdict(verdict) = event else { return event };
         let twins = self.twins.iter().flatten().filter(|twin| twin.explains(&verdict));

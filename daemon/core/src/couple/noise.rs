@@ -42,8 +42,7 @@ const MAX_DRIFT_FRAMES: u16 = 300;
 /// as large, or as half as large where it is asked whether something moves.
 const UNCERTAIN_FRAMES: f32 = 30.0;
 
-/// A displacement above this is motion, not drift, in metres, both while a change is believed and while the hands rest. A tracker that
-/// drifts more cannot resolve a contact.
+/// More than this is motion, not drift, in metres, moving or at rest. A tracker that drifts more cannot resolve a contact.
 const MAX_DRIFT_M: f32 = 0.03;
 
 /// Squares of the drift are clipped at this multiple of their mean. In the plane one in 8,000 exceeds it, and so does a part that is moved unseen.
@@ -108,8 +107,7 @@ impl Drift {
         (self.before, self.lay, self.is_moved) = (self.known, None, false);
     }
 
-    /// Takes where it seems to be `now`, and where it seemed to be `before`, which is `persist_frames` earlier. If a hand has been seen by then, it
-    /// rests.
+    /// Takes where it seems to be `now`, and to have been `persist_frames` `before`. If a hand has been seen by then, it rests.
     pub(super) fn push(&mut self, now: Point, before: Point, has_seen_hand: bool) {
         let lay = *self.lay.get_or_insert(before);
         let max_apart_m = self.known.max_apart_m();

@@ -21,16 +21,14 @@ pub struct LocalCosts {
 }
 
 impl LocalCosts {
-    /// Rounds the costs and looks for the processor's SIMD path. `bins` of a circular cost count as at least 1 and at most 127, the
-    /// most that a motion can hold.
+    /// Rounds the costs and looks for a SIMD path. `bins` of a circular cost count as 1 to 127, the most that a motion can hold.
     pub fn new(cost: LocalCost) -> Self {
         let portable = Self::portable(cost);
         let simd = portable.tables.as_ref().and_then(Simd::new);
         Self { simd, ..portable }
     }
 
-    /// As [`new`](Self::new), but without SIMD: slower, with the same results. On a processor with SIMD it lets tests and
-    /// benchmarks compare both paths.
+    /// As [`new`](Self::new), but without SIMD: slower, with the same results. Tests and benchmarks compare both.
     pub fn portable(cost: LocalCost) -> Self {
         let integers = IntegerCosts::new(cost);
         let tables = Tables::new(&integers);

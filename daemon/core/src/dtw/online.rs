@@ -73,8 +73,7 @@ impl<'a> OnlineDtw<'a> {
         self.row.advance_free(self.reference.len());
     }
 
-    /// The DTW distance of all appended frames to the reference, equal to [`distance`](super::distance) in every bit; `None`
-    /// before the first frame.
+    /// The distance of all appended frames to the reference, as [`distance`](super::distance) in every bit; `None` before the first.
     pub fn distance(&self) -> Option<f64> {
         (self.frames > 0).then(|| self.costs.integers.distance_of(self.row.cell(self.reference.len() - 1)))
     }

@@ -17,8 +17,7 @@ pub(super) const PLANES_FLAT: usize = 3;
 /// Number of symbols of one feature: a shuffle looks up four bits.
 const SYMBOLS: usize = 16;
 
-/// The symbol of rest among directions on a circle. Its lowest four bits are 0, which is no direction, and it differs from every
-/// direction by at least 49.
+/// The symbol of rest among directions on a circle. Its lowest four bits are 0, no direction, and it is at least 49 off every direction.
 const REST: u8 = 64;
 
 /// Costs of symbols. A motion has symbols if all its features are in range and there are at most 15 bins.

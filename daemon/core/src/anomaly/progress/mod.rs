@@ -267,8 +267,7 @@ impl<'a> Progress<'a> {
         self.state.is_hidden[side.index()] = is_hidden;
     }
 
-    /// Takes how well the next couple of a hand shows what it does, and how many frames after the one before it comes. A hand that has never been
-    /// seen is not hidden.
+    /// Takes how well the next couple of a hand, as many frames later, shows what it does. A hand that has never been seen is not hidden.
     pub(super) fn count_occluded(&mut self, couple: &Couple, frames: u32, is_hidden: bool) {
         let log = &mut self.occlusions[couple.side.index()];
         log.skip(frames, couple);
@@ -380,8 +379,7 @@ impl<'a> Progress<'a> {
         all.iter().fold(ActivitySet::EMPTY, |set, _| step(set))
     }
 
-    /// The activities that came behind one of these in all runs, which are too many for chance. It is assumed that what was not seen has kept to
-    /// that.
+    /// The activities that came behind one of these in all runs, too many for chance: what was not seen is assumed to keep to that.
     fn usually_behind(&self, activities: ActivitySet) -> ActivitySet {
         let is_behind = |activity: &usize| {
             let law = self.job.law(*activity);

@@ -66,8 +66,7 @@ impl Progress<'_> {
         self.state.phase == Phase::EndAssumed
     }
 
-    /// Whether a touch with this context belongs to the job although all that it requires has come. It is an optional activity that may still come,
-    /// or a step that is none of the job's.
+    /// Whether a touch belongs to the job after all that it requires has come: it is optional and may still come, or no step.
     pub(crate) fn goes_on_with(&self, context: Context, is_disturbed: bool) -> bool {
         let opening =
             Side::ALL.iter().fold(ActivitySet::EMPTY, |all, side| all | self.opening(context.by_hand(*side)));

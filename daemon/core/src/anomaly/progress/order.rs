@@ -19,8 +19,7 @@ impl Progress<'_> {
         next.next().filter(|_| self.has_order() && next.next().is_none())
     }
 
-    /// Why this hand may not do a nominal activity now. It was done already, or a law puts it behind an activity that has not come, and cannot have
-    /// come unseen.
+    /// Why this hand may not do a nominal activity now: it was done already, or must come behind one that has not come, even unseen.
     pub(crate) fn order_fault(&self, side: Side, nominal: usize) -> Option<BrokenOrder> {
         let activity = usize::from(self.number(nominal)?);
         let law = self.job.law(activity);

@@ -32,8 +32,7 @@ impl Scene {
         }
     }
 
-    /// How far apart two positions of an object, or of one in the frame of reference of another, may be by drift, in metres. Finger tips
-    /// err at least as much.
+    /// How far apart two positions of an object, or of one in the frame of another, may be by drift, in metres. Finger tips err at least so.
     pub(super) fn pair_drift_m(&self, j: usize, l: Option<usize>) -> f32 {
         libm::hypotf(self.drift_m(j), l.map_or(0.0, |l| self.drift_m(l)))
     }

@@ -44,8 +44,7 @@ impl Hold {
 }
 
 impl Scene {
-    /// Places the hands at what they have moved and what rests now. While it moves, how the hand is seen to move counts, and so it does once it is
-    /// believed that the hand has moved away.
+    /// Places the hands at what they have moved and what rests now, until it is believed that they have left it. While it moves, they are as seen.
     pub(super) fn place_hands(&mut self, gripped: [Option<usize>; HANDS]) {
         for (hand, gripped) in gripped.into_iter().enumerate() {
             self.holds[hand] = self.hold(hand, gripped);

@@ -46,8 +46,7 @@ pub(super) enum ObjectContact {
     /// They do not, or one only passes the other.
     #[default]
     No,
-    /// They do not, and a hand brings one of them from where no contact reaches. Where it comes to rest within the distance at which a
-    /// contact ends, they do.
+    /// They do not, and a hand brings one from where no contact reaches. If it comes to rest within the distance where one ends, they do.
     Brought,
     /// They have come near each other unseen, and one moves past the other: whether they touch was not seen.
     Unknown,
@@ -180,8 +179,7 @@ impl Scene {
         }
     }
 
-    /// Finds for the same frame which objects touch. A part that is carried past another does not: while a change is believed, it moves
-    /// farther than the contact is long.
+    /// Finds for the same frame which objects touch. One that is carried past moves farther than the contact is long while that is believed.
     pub(super) fn update_object_contacts(&mut self, age: usize) {
         let is_held: [bool; OBJECTS] =
             core::array::from_fn(|object| self.interactions.iter().any(|what| what.acts_on(object)));
@@ -281,8 +279,7 @@ impl Scene {
             || self.leads(hand, object, age) == Some(true)
     }
 
-    /// As [`rests`](Self::rests), of a hand that is at the object, as far as these two show it. The finger tips rest, or the knuckle does while the
-    /// tips take hold or are confused.
+    /// As [`rests`](Self::rests), as far as these two show it. The tips rest, or the knuckle while the tips take hold or are confused.
     fn rests_alone(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
         if self.follows(hand, object, age) || self.knuckle_rests(hand, object, age) {
             return Some(true);
@@ -305,8 +302,7 @@ impl Scene {
             && moved.is_some_and(|(from, (_, to))| distance(to, from) <= self.rest_m())
     }
 
-    /// Whether a displacement of `path_m` from one frame to another is rest. The frames must span most of the window, because a shorter time does not
-    /// show it.
+    /// Whether a displacement of `path_m` from one frame to another is rest. A time shorter than most of the window does not show it.
     pub(super) fn shows_rest(&self, age: usize, newest: usize, path_m: f32) -> bool {
         2 * (age - newest) > self.method.persist_frames.into() && path_m <= self.rest_m()
     }

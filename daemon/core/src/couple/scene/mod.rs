@@ -33,8 +33,7 @@ use in_hand::{InHand, ObjectContact};
 use misreading::Misreading;
 use sides::Sides;
 
-/// A parabola explains the positions if their noise bound is at least this multiple of its residual. With noise alone and the default window it is
-/// 5.9: the residual may be twice as large.
+/// A parabola explains the positions if their noise bound is at least so many residuals: half of the 5.9 of noise alone, by default.
 const NOISE_PER_RESIDUAL: f32 = 3.0;
 
 /// An object as a node of the graph.
@@ -95,8 +94,7 @@ pub(super) struct Scene {
     at_start: ObjectSet,
     /// For each hand, the objects that were moved while they were hidden, and with which it has not been seen to begin since.
     displaced: [ObjectSet; HANDS],
-    /// For each hand, the objects that it may have taken since they were last seen. It was at them, or was out of the picture, or the other hand may
-    /// have given them.
+    /// For each hand, the objects that it may have taken since they were last seen. It was at them or not seen, or was given them.
     may_be_taken: [ObjectSet; HANDS],
     /// For each hand, the objects that it may have been near since they were last seen.
     may_be_touched: [ObjectSet; HANDS],

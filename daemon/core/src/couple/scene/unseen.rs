@@ -11,8 +11,7 @@ use super::{Node, Scene, squared_distance};
 use crate::capacity::HANDS;
 use crate::set::ObjectSet;
 
-/// An object that a seen hand carries may be lost for this many times `blind_ms`. That is two seconds by default, in which nobody puts a part down
-/// and comes back for it.
+/// What a seen hand carries may be lost for this many times `blind_ms`, by default two seconds: nobody puts it down and comes back sooner.
 const CARRIED_BLIND_TIMES: u32 = 3;
 
 impl Scene {
@@ -121,8 +120,7 @@ impl Scene {
         !is_any_seen || has_vanished
     }
 
-    /// Finds out for each hand whether the newest frame is clear. It shows the hand, everything that the hand acts on, is at or may have taken, and
-    /// whether that touches anything.
+    /// Finds for each hand if the newest frame is clear. It shows the hand, all that this acts on, is at or may have taken, and what that touches.
     pub(super) fn push_clear(&mut self) {
         self.update_taken();
         for (index, hand) in self.hands.iter().enumerate() {

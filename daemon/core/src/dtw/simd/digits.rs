@@ -2,8 +2,7 @@
 
 use crate::dtw::symbols::{PLANES, Tables};
 
-/// A shuffle looks up bytes, so a cost has two digits, `low + DIGIT * high`. The low digits of five lookups sum up to at most
-/// 5 * 51 = 255.
+/// A shuffle looks up bytes, so a cost has two digits, `low + DIGIT * high`. Five low ones sum up to at most 5 * 51 = 255.
 pub(super) const DIGIT: i32 = 52;
 
 const _: () = assert!(PLANES as i32 * (DIGIT - 1) <= 255);
