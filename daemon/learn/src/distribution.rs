@@ -3,6 +3,7 @@
 
 use crate::html::escaped;
 use crate::job_file::{JobFile, ShownValues, TaughtIu};
+use crate::statistics::ends;
 use crate::svg::Svg;
 use andon_core::bounds::Bounds;
 use andon_core::job::{MeasureBounds, Shown};
@@ -27,7 +28,7 @@ const MARGIN: usize = 2;
 const NEAR: f32 = 0.5;
 
 /// Two reversals are a stroke.
-const PER_STROKE: f32 = 2.0;
+pub(crate) const PER_STROKE: f32 = 2.0;
 
 /// A verdict and a job are about the same IU if the ranges that were shown are as near as this. Counts of strokes to half of one, all others as they
 /// are kept.
@@ -101,11 +102,10 @@ impl Distribution {
         right: Option<Right<'_>>,
     ) -> Self {
         let shown: Vec<f32> = others.map(|other| other as f32).collect();
-        let [min, max] = [shown.first(), shown.last()].map(|end| end.copied().unwrap_or_default());
         Self {
             measure,
             runs: shown.len(),
-            range: [min, max],
+            range: ends(&shown),
             shown,
             right: right.zip(measure).map(|(right, measure)| right.of_measure(measure)),
             max_detour: right.and_then(|right| right.max_detour(measure)),
@@ -157,7 +157,7 @@ impl Distribution {
 
     /// What is right, in words, if it is known.
     fn right_words(&self) -> Option<String> {
-        let number = |value: f32| format!("{}{}", self.number(value), self.unit().0);
+        let number = |value: f32| format!("{}{}", self.number(value), Self::unit(self.measure).0);
         let bounds = match self.right? {
             [Some(min), Some(max)] if min == max => Some(number(min)),
             [Some(min), Some(max)] => Some(format!("{} to {}", self.number(min), number(max))),
@@ -179,8 +179,8 @@ impl Distribution {
     }
 
     /// The unit as people read it behind a number, and how many of it the verdict's unit is.
-    const fn unit(&self) -> (&'static str, f32) {
-        match self.measure {
+    pub(crate) const fn unit(measure: Option<Measure>) -> (&'static str, f32) {
+        match measure {
             Some(Measure::Duration) => (" s", 1.0),
             Some(Measure::StrokeLength | Measure::Path | Measure::LateralDeviation | Measure::Place) => {
                 (" cm", 100.0)
@@ -192,7 +192,7 @@ impl Distribution {
 
     /// A number for people: as exact as the span of all of them needs, and strokes as they are counted.
     fn number(&self, value: f32) -> String {
-        let (_, factor) = self.unit();
+        let (_, factor) = Self::unit(self.measure);
         let [least, most] = self.ends().map(|end| factor * end);
         let decimals = match most - least {
             _ if self.measure == Some(Measure::Strokes) => return value.to_string(),
@@ -305,7 +305,7 @@ impl Distribution {
         }
         let [least, most] = self.ends().map(|end| self.number(end));
         svg.text(left - 10.0, middle + 4.0, "e", &least);
-        svg.text(right + 10.0, middle + 4.0, "", &format!("{most}{}", self.unit().0));
+        svg.text(right + 10.0, middle + 4.0, "", &format!("{most}{}", Self::unit(self.measure).0));
         let words = escaped(&format!("{begin}{}: {}", Self::name(self.measure), self.words()));
         format!("<figure>{}<figcaption>{words}</figcaption></figure>", svg.finish())
     }
@@ -314,7 +314,7 @@ impl Distribution {
 impl fmt::Display for Distribution {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [least, most] = self.ends().map(|end| self.number(end));
-        let (name, unit) = (Self::name(self.measure), self.unit().0);
+        let (name, unit) = (Self::name(self.measure), Self::unit(self.measure).0);
         write!(f, "{name}: {least} {} {most}{unit}; {}", self.row(), self.words())
     }
 }

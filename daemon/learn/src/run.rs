@@ -2,7 +2,7 @@
 
 use crate::digest::sha256_hex;
 use crate::job_file::JobFile;
-use crate::recording::{self, NamedObject, Recording, TrackError, Truncation};
+use crate::recording::{self, NamedObject, Recording, TrackError, Truncation, shapes};
 use crate::statistics::{median, noise_m};
 use andon_core::anomaly::{self, Judge};
 use andon_core::config::Method;
@@ -105,8 +105,7 @@ fn called_what_they_are(
     objects: &[NamedObject],
     method: &Method,
 ) -> Result<Arc<[Frame]>, couple::Unusable> {
-    let shapes: Vec<ObjectShape> = objects.iter().map(|object| object.shape.clone()).collect();
-    let mut encoder = Encoder::new(*method, &shapes)?;
+    let mut encoder = Encoder::new(*method, &shapes(objects))?;
     let called = |frame: &Frame| {
         let mut frame = frame.clone();
         if encoder.step(&frame, &mut |_| ()).is_ok() && encoder.are_hands_swapped() {
@@ -183,9 +182,8 @@ impl Run {
     }
 
     fn encoded(self) -> Result<Self, RunError> {
-        let shapes: Vec<ObjectShape> = self.objects.iter().map(|object| object.shape.clone()).collect();
         let couples = self
-            .encode(self.frames.iter(), &shapes, &self.method)
+            .encode(self.frames.iter(), &shapes(&self.objects), &self.method)
             .map_err(|unusable| self.unusable(unusable))?;
         let mut segmenter = JobSegmenter::new(&self.method)
             .map_err(|fault| self.unusable(couple::Unusable::Method(fault)))?;

@@ -31,22 +31,20 @@ impl RunSummary {
             .ok()
             .and_then(|met| met.into_iter().next());
         let activities = met.as_ref().map_or(&run.activities, |met| &met.activities);
-        let frames = run.frames();
-        let captured = |frame: Option<&andon_core::input::Frame>| frame.map_or(0, |frame| frame.captured_ns);
-        let is_unseen =
-            |id: u16| !frames.iter().any(|frame| frame.objects.iter().any(|object| object.id == id));
-        let unseen = run.objects.iter().filter(|object| is_unseen(object.shape.id));
+        let [first_ns, last_ns] = [run.frames().first(), run.frames().last()]
+            .map(|frame| frame.map_or(0, |frame| frame.captured_ns));
+        let unseen = run.objects.iter().filter(|object| !run.shows(object.shape.id));
         let steps = activities.iter().map(|activity| {
             let began_ns = activity.ius.first().map_or(0, |iu| iu.began_ns);
             let name = sequence_words(&activity.contexts(), |id| object_name(&run.objects, id));
             (name, seconds(began_ns, activity.ended_ns()))
         });
         Self {
-            duration_s: seconds(captured(frames.first()), captured(frames.last())),
+            duration_s: seconds(first_ns, last_ns),
             rate_hz: run.captured_rate_hz(),
             steps: steps.collect(),
             unseen: unseen.map(|object| object.name.clone()).collect(),
-            has_hands: frames.iter().any(|frame| !frame.hands.is_empty()),
+            has_hands: run.shows_hands(),
         }
     }
 }

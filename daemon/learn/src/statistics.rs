@@ -34,6 +34,11 @@ pub(crate) fn variance_of_one_more(values: &[f64], prior: f64) -> f64 {
     (PRIOR_FREEDOM * prior + squares) / pooled_freedom(values.len()) * (1.0 + 1.0 / count)
 }
 
+/// The first and the last of values that are sorted; 0 if there are none.
+pub(crate) fn ends<T: Copy + Default>(sorted: &[T]) -> [T; 2] {
+    [sorted.first(), sorted.last()].map(|end| end.copied().unwrap_or_default())
+}
+
 /// The median, for an even number of values the mean of the two in the middle; 0 if there are no values.
 pub(crate) fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();

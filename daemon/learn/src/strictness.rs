@@ -8,8 +8,7 @@ use serde::Deserialize;
 
 /// How strict a job is, from 1, which accuses right jobs seldom, to 5, which lets little pass.
 ///
-/// Both of its rates are shares of right jobs or of pairs of steps, so that they mean the same whatever the job is. They are about twice as large
-/// with each number. A person who is content with a job finds the difference, and one who is not needs no more than two tries.
+/// Both of its rates are shares of right jobs or of pairs of steps, so that they mean the same whatever the job is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(try_from = "u8")]
 pub struct Strictness(u8);
@@ -20,7 +19,6 @@ impl Strictness {
     /// The strictest one.
     pub const MAX: u8 = 5;
 
-    /// The share of right jobs that may be accused by their measures.
     const FALSE_ALARMS: [f64; 5] = [0.0075, 0.015, 0.03, 0.06, 0.12];
 
     /// How often two steps that may come in either order may be taken for a law, given how their times vary.
@@ -29,7 +27,6 @@ impl Strictness {
     /// By how much that is multiplied for steps that share a part: they are likely to need their order, so less evidence is enough.
     const SHARED_PART_FACTOR: f64 = 5.0;
 
-    /// How many runs must contradict a rule, each left out while the others teach, for it to give way.
     const CONTRADICTIONS: [usize; 5] = [1, 1, 1, 2, usize::MAX];
 
     /// The number, if it is one of those that there are.
@@ -51,7 +48,7 @@ impl Strictness {
         Self::FALSE_ALARMS[self.index()]
     }
 
-    /// How many runs must contradict a rule for it to give way.
+    /// How many runs must contradict a rule, each left out while the others teach, for it to give way.
     pub(crate) fn contradictions(self) -> usize {
         Self::CONTRADICTIONS[self.index()]
     }

@@ -2,7 +2,6 @@
 
 use super::VERSION;
 use crate::file::NotText;
-use andon_core::capacity::IU_FRAMES;
 
 /// A job file was refused.
 #[derive(Debug, thiserror::Error)]
@@ -54,15 +53,4 @@ pub enum JobFault {
         /// What is wrong with the value, and which values are allowed.
         problem: String,
     },
-}
-
-/// What is wrong with the rows of a reference.
-#[derive(Debug, thiserror::Error)]
-pub(super) enum RowFault {
-    /// A row, numbered from 1, is not a run length and seven features.
-    #[error("row {0} is {1:?}; a row is \"frames: \" and seven integers")]
-    Unreadable(usize, String),
-    /// A row, numbered from 1, has no frame, or makes the reference too long.
-    #[error("row {0} has no frame, or brings the reference to more than {IU_FRAMES} frames")]
-    Frames(usize),
 }

@@ -18,7 +18,7 @@ pub(crate) use shown::of_runs;
 pub use text::context_words;
 pub(crate) use text::sequence_words;
 
-use crate::recording::{NamedObject, object_name};
+use crate::recording::{NamedObject, object_name, shapes};
 use crate::rule::{BoundsRule, ThresholdRule};
 use crate::strictness::Strictness;
 use andon_core::bounds::Bounds;
@@ -235,7 +235,7 @@ impl JobFile {
 
     /// The shapes of the objects as the encoder needs them.
     pub fn shapes(&self) -> Vec<ObjectShape> {
-        self.objects.iter().map(|object| object.shape.clone()).collect()
+        shapes(&self.objects)
     }
 
     /// What the job does with this object.

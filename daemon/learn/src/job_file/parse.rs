@@ -285,8 +285,7 @@ fn method_of(text: MethodText) -> Method {
 
 fn object_of(index: usize, text: ObjectText) -> Result<NamedObject, JobFault> {
     let key = format!("object[{index}]");
-    let region = |text: ContactRegionText| {
-        let ContactRegionText { with, points, on_m, off_m } = text;
+    let region = |ContactRegionText { with, points, on_m, off_m }| {
         let points = fitting(&points, &format!("{key}.meetings.points"))?;
         Ok::<_, JobFault>(ContactRegion { with, points, contact: Contact { on_m, off_m } })
     };
@@ -316,9 +315,9 @@ fn fitting<T: Clone, const MAX: usize>(items: &[T], key: &str) -> Result<heaples
 
 fn activity_of(index: usize, text: ActivityText) -> Result<TaughtActivity, JobFault> {
     let iu = |(number, iu): (usize, IuText)| {
-        let reference = runs::motions(&iu.reference).map_err(|fault| JobFault::Invalid {
+        let reference = runs::motions(&iu.reference).map_err(|problem| JobFault::Invalid {
             key: format!("activity[{index}].iu[{number}].reference"),
-            problem: fault.to_string(),
+            problem,
         })?;
         let measures = measures_of(&iu);
         Ok(TaughtIu {

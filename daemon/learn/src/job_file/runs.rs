@@ -1,6 +1,5 @@
 //! References as run lengths: one row of text per ERU, `"frames: a_h θ_hj φ_hj jm_hj θ_jl φ_jl jm_jl"`.
 
-use super::error::RowFault;
 use andon_core::capacity::IU_FRAMES;
 use andon_core::couple::Motion;
 
@@ -19,12 +18,15 @@ pub(super) fn rows(reference: &[Motion]) -> Vec<String> {
 ///
 /// # Errors
 /// The first row that cannot be read or that makes the reference too long.
-pub(super) fn motions(rows: &[String]) -> Result<Vec<Motion>, RowFault> {
+pub(super) fn motions(rows: &[String]) -> Result<Vec<Motion>, String> {
     let mut motions = Vec::new();
     for (number, row) in (1..).zip(rows) {
-        let (count, motion) = run(row).ok_or_else(|| RowFault::Unreadable(number, row.clone()))?;
+        let unreadable = || format!("row {number} is {row:?}; a row is \"frames: \" and seven integers");
+        let (count, motion) = run(row).ok_or_else(unreadable)?;
         if count == 0 || motions.len() + count > IU_FRAMES {
-            return Err(RowFault::Frames(number));
+            return Err(format!(
+                "row {number} has no frame, or brings the reference to more than {IU_FRAMES} frames"
+            ));
         }
         motions.resize(motions.len() + count, motion);
     }

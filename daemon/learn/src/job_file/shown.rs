@@ -1,5 +1,6 @@
 //! What each of the runs measured, kept with the job so that people can see whether an accusation is right.
 
+use crate::statistics::ends;
 use andon_core::bounds::{Bounds, Range};
 use andon_core::job::Shown;
 use serde::Deserialize;
@@ -53,13 +54,13 @@ impl ShownValues {
 
     /// From minimum to maximum, as verdicts name it.
     pub(crate) fn ranges(&self) -> Shown {
-        let range = |values: &[f32]| Range {
-            min: values.first().copied().unwrap_or_default(),
-            max: values.last().copied().unwrap_or_default(),
+        let range = |values: &[f32]| {
+            let [min, max] = ends(values);
+            Range { min, max }
         };
         let counts = |values: &[f32]| {
-            let Range { min, max } = range(values);
-            Bounds { min: min as u32, max: max as u32 }
+            let [min, max] = ends(values).map(|end| end as u32);
+            Bounds { min, max }
         };
         Shown {
             frames: counts(&self.frames),

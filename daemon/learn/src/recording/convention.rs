@@ -2,7 +2,6 @@
 //!
 //! Nothing is converted: what is refused here is certainly something else, and which of several units it is, is a guess.
 
-use super::error::TrackFault;
 use crate::statistics::median;
 use andon_core::input::{Hand, Object, Space};
 
@@ -14,9 +13,6 @@ const ROTATIONS: usize = 20;
 
 /// No hand is as long, from its wrist to the tip of its middle finger, in metres. Those of people are at most 0.23 m long.
 const MAX_HAND_M: f64 = 0.6;
-/// A hand is so many centimetres long at least where it is stretched, and so many millimetres where it is a fist.
-const MIN_HAND_CM: f64 = 2.5;
-const MIN_HAND_MM: f64 = 40.0;
 
 /// No point of a part lies farther from its marker, in metres: the longest parts of a bench reach over it.
 const MAX_POINT_M: f64 = 5.0;
@@ -76,14 +72,14 @@ impl Conventions {
     }
 
     /// Takes the time of a frame, as the file has it.
-    pub(super) fn time(&mut self, t: f64) -> Result<(), TrackFault> {
+    pub(super) fn time(&mut self, t: f64) -> Result<(), String> {
         let before = self.newest_t.replace(t);
         let Some(steps) = &mut self.steps else { return Ok(()) };
         steps.extend(before.map(|before| t - before));
         if steps.len() < STEPS { Ok(()) } else { self.look_at_steps() }
     }
 
-    pub(super) fn frame(&mut self, hands: &[Hand], objects: &[Object]) -> Result<(), TrackFault> {
+    pub(super) fn frame(&mut self, hands: &[Hand], objects: &[Object]) -> Result<(), String> {
         if let Some(lengths) = &mut self.hands {
             lengths.extend(hands.iter().map(length));
             if lengths.len() >= HANDS {
@@ -95,7 +91,7 @@ impl Conventions {
     }
 
     /// A hand that works in a plane moves in both of its directions, so a second number that never changes is no y.
-    fn place(&mut self, hands: &[Hand], objects: &[Object]) -> Result<(), TrackFault> {
+    fn place(&mut self, hands: &[Hand], objects: &[Object]) -> Result<(), String> {
         let (count, [y, z]) = &mut self.places;
         let places = hands.iter().map(|hand| hand.wrist).chain(objects.iter().map(|object| object.position));
         for place in places {
@@ -106,31 +102,38 @@ impl Conventions {
         *count += hands.len();
         let is_same = *count >= HANDS && y[1] - y[0] < SAME_M && z[1] - z[0] > APART_M;
         if self.space == Space::Plane && is_same {
-            Err(TrackFault::HeightSecond(y[0].into()))
+            Err(format!(
+                "all hands and parts have the same y, {}, and their z differ: in space \"plane\" the bench is x and y, and these places \
+                 seem to have their height second; write [x, z, y], and turn q likewise",
+                f64::from(y[0])
+            ))
         } else {
             Ok(())
         }
     }
 
     /// Looks at what there is of a file that ends here.
-    pub(super) fn end(&mut self) -> Result<(), TrackFault> {
+    pub(super) fn end(&mut self) -> Result<(), String> {
         self.look_at_hands()?;
         self.look_at_steps()
     }
 
-    fn look_at_hands(&mut self) -> Result<(), TrackFault> {
+    fn look_at_hands(&mut self) -> Result<(), String> {
         let Some(lengths) = self.hands.take().filter(|lengths| !lengths.is_empty()) else { return Ok(()) };
         let length = median(&lengths);
+        // A fist is at least 40 mm long, and a hand that is stretched 2.5 cm.
         let unit = match length {
             ..=MAX_HAND_M => return Ok(()),
-            MIN_HAND_MM.. => "millimetres; divide them by 1000",
-            MIN_HAND_CM.. => "centimetres; divide them by 100 (inches by 39.37)",
+            40.0.. => "millimetres; divide them by 1000",
+            2.5.. => "centimetres; divide them by 100 (inches by 39.37)",
             _ => "another unit; convert them",
         };
-        Err(TrackFault::Lengths(length, unit))
+        Err(format!(
+            "a hand is {length:.1} long, from its wrist to the tip of its middle finger: places are in metres, and these seem to be in {unit}"
+        ))
     }
 
-    fn look_at_steps(&mut self) -> Result<(), TrackFault> {
+    fn look_at_steps(&mut self) -> Result<(), String> {
         let Some(steps) = self.steps.take().filter(|steps| !steps.is_empty()) else { return Ok(()) };
         let step = median(&steps);
         let units = [("milliseconds", 1e3), ("microseconds", 1e6), ("nanoseconds", 1e9)];
@@ -142,15 +145,18 @@ impl Conventions {
         let numbers = Some(("frames", self.rate_hz)).filter(|_| step == 1.0 && self.rate_hz > MAX_WRONG_RATE);
         match units.into_iter().find(|(_, factor)| is_meant(*factor)).or(numbers) {
             None => Ok(()),
-            Some((unit, factor)) => {
-                Err(TrackFault::Times(step, self.rate_hz, 1.0 / self.rate_hz, unit, factor))
-            }
+            Some((unit, factor)) => Err(format!(
+                "t goes on by {step} from frame to frame, and at rate_hz {} it should by {:.4}: t is in seconds, and this seems to be in \
+                 {unit}; divide it by {factor}",
+                self.rate_hz,
+                1.0 / self.rate_hz
+            )),
         }
     }
 
     /// A part on a bench turns about the bench's normal, more than about any other axis: the numbers of the other two axes are small. Where these
     /// are the first two of all rotations, while the third one changes, the real part is the last.
-    fn rotation(&mut self, object: &Object) -> Result<(), TrackFault> {
+    fn rotation(&mut self, object: &Object) -> Result<(), String> {
         let [a, b, c, d] = object.orientation.map(f64::from);
         let c = if d < 0.0 { -c } else { c };
         let Rotations { count, first_two, third: [least, most] } = &mut self.rotations;
@@ -165,7 +171,11 @@ impl Conventions {
         let is_last =
             *first_two < MAX_TILT && turn > MIN_TURN || *first_two < NO_TILT && turn > MIN_TURN_WITHOUT_TILT;
         if *count >= ROTATIONS && is_last {
-            return Err(TrackFault::RealPartLast(object.id));
+            return Err(format!(
+                "q of object {} and of all others turns about no axis that a part on a bench turns about, unless its numbers stand in the order \
+                 x, y, z, w; here it is [w, x, y, z]: put the last one first",
+                object.id
+            ));
         }
         Ok(())
     }
@@ -203,16 +213,20 @@ pub(super) fn other_text(line: &[u8]) -> Option<&'static str> {
     })
 }
 
-pub(super) fn point(id: u16, point: &[f64; 3]) -> Result<(), TrackFault> {
+pub(super) fn point(id: u16, point: &[f64; 3]) -> Result<(), String> {
     let far = point.iter().fold(0.0_f64, |far, value| far.max(value.abs()));
-    if far > MAX_POINT_M { Err(TrackFault::FarPoint(id, far)) } else { Ok(()) }
+    if far <= MAX_POINT_M {
+        return Ok(());
+    }
+    Err(format!(
+        "an interaction point of object {id} lies {far} from it: points are in metres, as places are: 100 mm is 0.1"
+    ))
 }
 
 /// A text with `null` in place of each NaN, which is not JSON but what Python writes where nothing was seen. `None` where there is none.
-pub(super) fn without_nan(line: &[u8]) -> Result<Option<Vec<u8>>, TrackFault> {
+pub(super) fn without_nan(line: &[u8]) -> Result<Option<Vec<u8>>, String> {
     const GAPS: [&[u8]; 4] = [b"NaN", b"nan", b"-NaN", b"-nan"];
-    const INFINITE: [(&[u8], &str); 4] =
-        [(b"Infinity", "Infinity"), (b"-Infinity", "-Infinity"), (b"inf", "inf"), (b"-inf", "-inf")];
+    const INFINITE: [&str; 4] = ["Infinity", "-Infinity", "inf", "-inf"];
     let mut text = Vec::with_capacity(line.len());
     let (mut at, mut is_word, mut has_gap) = (0, false, false);
     while at < line.len() {
@@ -231,8 +245,10 @@ pub(super) fn without_nan(line: &[u8]) -> Result<Option<Vec<u8>>, TrackFault> {
             at += gap.len();
             continue;
         }
-        if let Some((_, word)) = INFINITE.iter().find(|(word, _)| rest.starts_with(word)) {
-            return Err(TrackFault::Infinite(word));
+        if let Some(word) = INFINITE.iter().find(|word| rest.starts_with(word.as_bytes())) {
+            return Err(format!(
+                "{word} is no place; write null, or leave the part or the hand out of a frame in which it is not seen"
+            ));
         }
         is_word = rest[0] == b'"';
         text.push(rest[0]);

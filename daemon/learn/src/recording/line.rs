@@ -97,17 +97,8 @@ pub(super) type Numbers<const N: usize> = Option<[Option<f64>; N]>;
 
 /// The numbers, if all of them are there.
 pub(super) fn all<const N: usize>(numbers: &Numbers<N>) -> Option<[f64; N]> {
-    let numbers = numbers.as_ref()?;
-    let mut all = [0.0; N];
-    for (one, number) in all.iter_mut().zip(numbers) {
-        *one = (*number)?;
-    }
-    Some(all)
-}
-
-/// Numbers that are all there.
-pub(super) fn seen<const N: usize>(numbers: [f64; N]) -> Numbers<N> {
-    Some(numbers.map(Some))
+    let numbers = numbers.filter(|numbers| numbers.iter().all(Option::is_some))?;
+    Some(numbers.map(Option::unwrap_or_default))
 }
 
 /// A gap is written as one: a key that is missing is a mistake.

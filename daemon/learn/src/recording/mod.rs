@@ -15,17 +15,13 @@
 //! ```
 
 mod convention;
-mod error;
 mod line;
-mod person;
 mod reader;
 mod repeats;
 mod writer;
 
-pub use error::{TrackError, TrackFault};
 pub(crate) use line::SpaceName;
-pub use person::person_of;
-pub use reader::{TrackReader, Truncation, read};
+pub use reader::{TrackError, TrackReader, Truncation, read};
 pub use repeats::SeenTracks;
 pub use writer::{TrackWriter, write};
 
@@ -50,12 +46,24 @@ pub struct NamedObject {
     pub shape: ObjectShape,
 }
 
+/// The shapes of objects without their names, as the encoder needs them.
+pub(crate) fn shapes(objects: &[NamedObject]) -> Vec<ObjectShape> {
+    objects.iter().map(|object| object.shape.clone()).collect()
+}
+
 /// What a person calls an object: its name in this list, or its id if the list does not have it.
 pub fn object_name(objects: &[NamedObject], id: u16) -> String {
     objects
         .iter()
         .find(|object| object.shape.id == id)
         .map_or_else(|| format!("object {id}"), |object| object.name.clone())
+}
+
+/// The number of the person whom the name of a recording begins with, such as `p3_none_r1` or `subject3_run1`.
+pub fn person_of(file: &str) -> Option<u32> {
+    let (person, _) = file.split_once('_')?;
+    let words = ["person", "subject", "worker", "p"];
+    words.iter().find_map(|word| person.strip_prefix(word)?.parse().ok())
 }
 
 /// The names of the pairs of these objects that come near each other by chance only, so that a contact between them does not count.
@@ -85,7 +93,7 @@ pub struct Header {
 impl Header {
     /// The shapes without the names, as the encoder needs them.
     pub fn shapes(&self) -> Vec<ObjectShape> {
-        self.objects.iter().map(|object| object.shape.clone()).collect()
+        shapes(&self.objects)
     }
 }
 

@@ -66,7 +66,7 @@ impl<R: BufRead> Iterator for SeenTracks<R> {
 /// A frame that repeats the one before, hands and parts, for longer than `blind_ms` was not seen. Neither was a part whose place does, while the hand
 /// that has moved it goes on. Where parts lie still bit for bit by themselves, as those of a simulator without errors, that says nothing, and all is
 /// taken for seen.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Repeats {
     blind_ns: u64,
     ahead: VecDeque<Frame>,
@@ -92,14 +92,7 @@ struct Part {
 
 impl Repeats {
     fn new(blind_ms: u32) -> Self {
-        Self {
-            blind_ns: u64::from(blind_ms) * 1_000_000,
-            ahead: VecDeque::new(),
-            newest: None,
-            since_ns: 0,
-            parts: Vec::new(),
-            stands_still_by_itself: false,
-        }
+        Self { blind_ns: u64::from(blind_ms) * 1_000_000, ..Self::default() }
     }
 
     fn push(&mut self, frame: Frame) {

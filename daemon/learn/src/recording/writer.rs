@@ -1,8 +1,8 @@
 //! From frames to the text of a track file.
 
-use super::line::{FORMAT, FrameLine, HandEntry, HeaderLine, HeaderObject, ObjectEntry, VERSION, seen};
+use super::line::{FORMAT, FrameLine, HandEntry, HeaderLine, HeaderObject, Numbers, ObjectEntry, VERSION};
 use super::{Header, Landmarks};
-use andon_core::input::{Frame, Hand};
+use andon_core::input::{Frame, Hand, Object};
 use std::io::{self, Write};
 
 /// Writes a track file. A frame holds five landmarks per hand, so the file promises five landmarks whatever the header says.
@@ -18,7 +18,8 @@ pub fn write<'a>(
 ) -> io::Result<()> {
     line(sink, &header_line(header))?;
     for frame in frames {
-        line(sink, &frame_line(frame, &Numbers::Rounded))?;
+        let t = (frame.captured_ns as f64 * 1e-3).round() / 1e6;
+        line(sink, &frame_line(frame, t, rounded))?;
     }
     Ok(())
 }
@@ -45,7 +46,7 @@ impl<W: Write> TrackWriter<W> {
     /// # Errors
     /// If the sink fails.
     pub fn frame(&mut self, frame: &Frame) -> io::Result<()> {
-        line(&mut self.sink, &frame_line(frame, &Numbers::Exact))
+        line(&mut self.sink, &frame_line(frame, frame.captured_ns as f64 / 1e9, |value| value))
     }
 
     /// Flushes the sink.
@@ -54,27 +55,6 @@ impl<W: Write> TrackWriter<W> {
     /// If the sink fails.
     pub fn flush(&mut self) -> io::Result<()> {
         self.sink.flush()
-    }
-}
-
-enum Numbers {
-    Rounded,
-    Exact,
-}
-
-impl Numbers {
-    fn time_s(&self, ns: u64) -> f64 {
-        match self {
-            Self::Rounded => (ns as f64 * 1e-3).round() / 1e6,
-            Self::Exact => ns as f64 / 1e9,
-        }
-    }
-
-    fn of<const N: usize>(&self, values: &[f32; N]) -> [f64; N] {
-        match self {
-            Self::Rounded => rounded(values),
-            Self::Exact => values.map(f64::from),
-        }
     }
 }
 
@@ -97,42 +77,46 @@ fn header_line(header: &Header) -> HeaderLine {
             .map(|object| HeaderObject {
                 id: object.shape.id,
                 name: object.name.clone(),
-                interaction_points: object.shape.interaction_points.iter().map(rounded).collect(),
+                interaction_points: object
+                    .shape
+                    .interaction_points
+                    .iter()
+                    .map(|point| point.map(|value| rounded(value.into())))
+                    .collect(),
             })
             .collect(),
     }
 }
 
-fn frame_line(frame: &Frame, numbers: &Numbers) -> FrameLine {
+/// A frame at this time in seconds; `number` is how its other numbers are written.
+fn frame_line(frame: &Frame, t: f64, number: fn(f64) -> f64) -> FrameLine {
+    let object = |object: &Object| ObjectEntry {
+        id: object.id,
+        p: numbers(&object.position, number),
+        q: numbers(&object.orientation, number),
+    };
     FrameLine {
-        t: numbers.time_s(frame.captured_ns),
-        hands: frame.hands.iter().map(|hand| hand_entry(hand, numbers)).collect(),
-        objects: frame
-            .objects
-            .iter()
-            .map(|object| ObjectEntry {
-                id: object.id,
-                p: seen(numbers.of(&object.position)),
-                q: seen(numbers.of(&object.orientation)),
-            })
-            .collect(),
+        t,
+        hands: frame.hands.iter().map(|hand| hand_entry(hand, number)).collect(),
+        objects: frame.objects.iter().map(object).collect(),
         unseen: frame.is_unseen,
     }
 }
 
-fn hand_entry(hand: &Hand, numbers: &Numbers) -> HandEntry {
+fn hand_entry(hand: &Hand, number: fn(f64) -> f64) -> HandEntry {
     let [index, middle, ring] = &hand.tips;
+    let landmarks = [&hand.wrist, index, &hand.middle_knuckle, middle, ring];
     HandEntry {
         id: hand.side.into(),
         score: f64::from(hand.score),
-        landmarks: Some(
-            [&hand.wrist, index, &hand.middle_knuckle, middle, ring]
-                .map(|point| seen(numbers.of(point)))
-                .to_vec(),
-        ),
+        landmarks: Some(landmarks.map(|point| numbers(point, number)).to_vec()),
     }
 }
 
-fn rounded<const N: usize>(values: &[f32; N]) -> [f64; N] {
-    values.map(|value| (f64::from(value) * 1e6).round() / 1e6)
+fn numbers<const N: usize>(values: &[f32; N], number: fn(f64) -> f64) -> Numbers<N> {
+    Some(values.map(|value| Some(number(value.into()))))
+}
+
+fn rounded(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
 }
