@@ -12,18 +12,7 @@ use std::ops::RangeInclusive;
 /// others.
 pub(super) const MIN_REPEATED_REVERSALS: u32 = 3;
 
-/// What a hand does in an IU. It is decided once, from the context and from all demonstrations together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum MotionKind {
-    /// It has let go.
-    Release,
-    /// It is on its way with a part, which may be shaken there.
-    OnTheWay(Strokes),
-    /// It is with a part at another one. Without strokes, the time there shows that what is done there was done.
-    AtAnother(Strokes),
-}
-
-/// How a motion is repeated.
+/// How the motion of an IU is repeated. It is decided once, from the context and from all demonstrations together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Strokes {
     /// It is not.
@@ -34,40 +23,16 @@ pub(super) enum Strokes {
     ByFeel,
 }
 
-impl MotionKind {
+impl Strokes {
     pub(super) fn of(context: Context, shown: &[Measures]) -> Self {
-        let strokes = if shown.iter().any(|measures| measures.reversals < MIN_REPEATED_REVERSALS) {
-            Strokes::None
+        let is_once = |measures: &Measures| measures.reversals < MIN_REPEATED_REVERSALS;
+        if !context.is_touch() || shown.iter().any(is_once) {
+            Self::None
         } else if do_agree(&likely_reversals(shown).collect::<Vec<_>>(), COUNTED_SHARE) {
-            Strokes::Counted
+            Self::Counted
         } else {
-            Strokes::ByFeel
-        };
-        match context {
-            _ if context.is_pair() => Self::AtAnother(strokes),
-            _ if context.is_touch() => Self::OnTheWay(strokes),
-            _ => Self::Release,
+            Self::ByFeel
         }
-    }
-
-    const fn strokes(self) -> Strokes {
-        match self {
-            Self::Release => Strokes::None,
-            Self::OnTheWay(strokes) | Self::AtAnother(strokes) => strokes,
-        }
-    }
-
-    pub(super) fn is_repeated(self) -> bool {
-        self.strokes() != Strokes::None
-    }
-
-    pub(super) fn is_by_feel(self) -> bool {
-        self.strokes() == Strokes::ByFeel
-    }
-
-    /// Whether the time at another part is judged. Strokes are counted instead, and people differ in how quickly they make them.
-    pub(super) fn is_timed(self) -> bool {
-        self == Self::AtAnother(Strokes::None)
     }
 }
 

@@ -8,6 +8,7 @@
 //!
 //! Of 30 right runs of simulated work by feel 9 were accepted and 21 accused without this. With it 26 are accepted and 3 accused.
 
+use super::sequence::MIN_ALIKE;
 use super::strength::{Rule, Strength, Strengths};
 use super::threshold::Memory;
 use super::{TeachOptions, TeachReport, Teaching};
@@ -16,9 +17,6 @@ use crate::run::Run;
 use andon_core::verdict::Outcome;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// With fewer runs, the others would be one, which shows neither an order nor a spread.
-pub(super) const MIN_RUNS: usize = 3;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct LeftOut {
@@ -45,9 +43,9 @@ struct Rejection {
     broken: Option<(Rule, Option<Distribution>)>,
 }
 
-/// Tries each of these runs with the job that the others teach; `None` of fewer than [`MIN_RUNS`].
+/// Tries each of these runs with the job that the others teach; `None` of fewer than [`MIN_ALIKE`].
 pub(super) fn tried(runs: &[&Run], options: &TeachOptions) -> Option<LeftOut> {
-    if runs.len() < MIN_RUNS {
+    if runs.len() < MIN_ALIKE {
         return None;
     }
     let made: Vec<Option<Fold<'_>>> =
@@ -113,7 +111,7 @@ impl<'a> Fold<'a> {
         let verdicts = self.left_out.judge(job).unwrap_or_default();
         let broken = verdicts.iter().find_map(|verdict| {
             let rule = Rule::broken_by(verdict, &agreement.keys)?;
-            (strengths.of(rule) != Strength::None).then(|| (rule, Distribution::of_verdict(job, verdict)))
+            (strengths.of(rule) != Strength::NONE).then(|| (rule, Distribution::of_verdict(job, verdict)))
         });
         let is_accused = verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly);
         is_accused.then_some(Rejection { name, broken })

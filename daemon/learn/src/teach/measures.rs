@@ -9,9 +9,8 @@
 //!
 //! The spread of the lateral deviation that people are given in general was chosen knowing the runs of motion capture. So these do not test it.
 
-use super::bounds::UNBOUNDED;
-use super::kind::{MotionKind, Strokes, is_on_the_way};
-use super::people::{IN_GENERAL, OF_ONE_PERSON, PRIOR_DURATION, People, beyond_border, border_frames};
+use super::kind::{Strokes, is_on_the_way};
+use super::people::{IN_GENERAL, OF_ONE_PERSON, People, beyond_border, border_frames};
 use super::sequence::{Agreement, ShownIu};
 use super::strength::Strength;
 use crate::job_file::{ShownValues, of_runs};
@@ -22,6 +21,9 @@ use andon_core::object::HAND_WIDTH_M;
 use andon_core::segment::{MOVED_M, Measures};
 use andon_core::verdict::Measure;
 
+/// The bounds of a release state: it lasts until the hand comes back, at once or never.
+pub(super) const UNBOUNDED: Bounds = Bounds { min: 0, max: u32::MAX };
+
 /// How people in general differ in the logarithm of the length of a stroke, of a path and of a detour. Also in the number of reversals beside those
 /// at the border, in the axis, and in the place in metres. Five simulated people each of three drawn seeds differ so (standard deviation, the median
 /// over the IUs of twelve jobs). In brackets are runs of motion capture by one person. Strokes differ by 0.11 to 0.18, paths on the way by 0.04 to
@@ -30,12 +32,9 @@ use andon_core::verdict::Measure;
 const PRIOR_STROKE: f64 = 0.15;
 pub(super) const PRIOR_PATH: f64 = 0.12;
 const PRIOR_DETOUR: f64 = 0.14;
-/// How people in general differ at another part where they work by feel and count no strokes. It is in the logarithm of a path, of a detour and of
-/// the number of reversals. It is 0.2 to 0.3 in the median of simulated people who do.
-const PRIOR_BY_FEEL: f64 = 0.3;
-/// How people in general differ in how far off the straight line their way leads: as a share of how far it does and [`HAND_WIDTH_M`]. It is 0.04
-/// to 0.07 in the median of simulated people, 0.12 in nine of ten IUs, and 0.11 in motion capture.
-const PRIOR_LATERAL: f64 = 0.12;
+/// How people in general differ at another part where they work by feel and count no strokes. It is in the logarithm of the time there beside the
+/// way in and out, of a path, of a detour and of the number of reversals. It is 0.2 to 0.3 in the median of simulated people who do.
+pub(super) const PRIOR_BY_FEEL: f64 = 0.3;
 const PRIOR_REVERSALS: f64 = 0.2;
 const PRIOR_AXIS: f64 = 0.15;
 const PRIOR_PLACE_M: f64 = 0.008;
@@ -91,13 +90,13 @@ impl Rates {
         let other = (1.0 - 2.0 * NEAR_SHARE - LATERAL_SHARE) / 5.0;
         Self {
             reversals: rate(other, &|_| true),
-            stroke: rate(NEAR_SHARE, &|iu| iu.kind.is_repeated()),
+            stroke: rate(NEAR_SHARE, &|iu| iu.is_repeated()),
             path: rate(other, &|_| true),
             lateral: rate(LATERAL_SHARE, &|iu| is_on_the_way(iu.context)),
             axis: rate(other, &is_directed),
             place: rate(other, &|iu| iu.context.is_pair()),
-            duration: rate(NEAR_SHARE, &|iu| iu.kind.is_timed()),
-            pace: rate(other, &|iu| iu.context.is_pair() && iu.kind.is_repeated()),
+            duration: rate(NEAR_SHARE, &|iu| iu.is_timed()),
+            pace: rate(other, &|iu| iu.context.is_pair() && iu.is_repeated()),
             people,
         }
     }
@@ -116,11 +115,11 @@ impl Rates {
             return (UNBOUNDED, any);
         }
         // How strong it is where it is law.
-        let law = |measure, has: bool| Some(strength(measure)).filter(|of| has && *of != Strength::None);
+        let law = |measure, has: bool| Some(strength(measure)).filter(|of| has && *of != Strength::NONE);
         let path = law(Measure::Path, true);
         let lateral = way.zip(law(Measure::LateralDeviation, true));
         let bounds = MeasureBounds {
-            stroke_m: law(Measure::StrokeLength, iu.kind.is_repeated())
+            stroke_m: law(Measure::StrokeLength, iu.is_repeated())
                 .map_or(any.stroke_m, |of| self.stroke_m(iu, of)),
             path_m: path.map_or(any.path_m, |of| self.path_m(iu, met_within_m, of)),
             max_detour_m: path.map_or(any.max_detour_m, |of| self.max_detour_m(iu, of)),
@@ -142,9 +141,9 @@ impl Rates {
         rate_hz: f32,
         strength: Strength,
     ) -> Option<(u32, Option<f64>)> {
-        let is_timed = iu.kind.is_timed();
+        let is_timed = iu.is_timed();
         let (prior, rate) =
-            if is_timed { (PRIOR_DURATION, self.duration) } else { (IN_GENERAL.sqrt(), self.pace) };
+            if is_timed { (PRIOR_BY_FEEL, self.duration) } else { (IN_GENERAL.sqrt(), self.pace) };
         if !iu.context.is_pair() || rate <= 0.0 {
             return None;
         }
@@ -163,11 +162,11 @@ impl Rates {
     fn reversals(&self, iu: &ShownIu, strength: Strength) -> Bounds {
         let likely: Vec<u32> = likely_reversals(&iu.measured).collect();
         // Where not all runs go to and fro, it means nothing that one does.
-        if strength == Strength::None || !iu.kind.is_repeated() {
+        if strength == Strength::NONE || !iu.is_repeated() {
             return UNBOUNDED;
         }
         // Who makes strokes by feel contradicts a number.
-        if strength != Strength::General || iu.kind.is_by_feel() {
+        if strength != Strength::GENERAL || iu.is_by_feel() {
             return self.by_feel(&likely, strength);
         }
         let usual = usual_reversals(&likely);
@@ -198,19 +197,19 @@ impl Rates {
     /// How many reversals are not counted of the shortest strokes that may be right, where people differ more than people in general. The first and
     /// the last stroke begin and end in the middle.
     fn uncounted(&self, iu: &ShownIu) -> u32 {
-        let is_short = self.people.variety > 1.0 && self.stroke_m(iu, Strength::General).min < 2.0 * MOVED_M;
+        let is_short = self.people.variety > 1.0 && self.stroke_m(iu, Strength::GENERAL).min < 2.0 * MOVED_M;
         if is_short { 2 * BORDER_REVERSALS } else { 0 }
     }
 
     /// The maximum length of a stroke, in metres; `None` where the motion is not a repeated one.
     pub(super) fn longest_stroke_m(&self, iu: &ShownIu) -> Option<f32> {
-        (self.stroke > 0.0 && iu.kind.is_repeated()).then(|| self.stroke_m(iu, Strength::General).max)
+        (self.stroke > 0.0 && iu.is_repeated()).then(|| self.stroke_m(iu, Strength::GENERAL).max)
     }
 
     fn stroke_m(&self, iu: &ShownIu, strength: Strength) -> Range {
         let lengths = iu.measured.iter().filter_map(|measures| measures.stroke_m);
         let lengths: Vec<f64> = lengths.map(|length| f64::from(length).ln()).collect();
-        let rate = if iu.kind.is_by_feel() { self.stroke / 2.0 } else { self.stroke };
+        let rate = if iu.is_by_feel() { self.stroke / 2.0 } else { self.stroke };
         let (centre, apart) = self.interval(&lengths, PRIOR_STROKE, rate, strength);
         Range { min: (centre - apart).exp() as f32, max: (centre + apart).exp() as f32 }
     }
@@ -220,7 +219,7 @@ impl Rates {
     fn path_m(&self, iu: &ShownIu, met_within_m: f32, strength: Strength) -> Range {
         let length = |measures: &Measures| measures.path_m;
         let [min, max] = self.length_m(iu, &length, (PRIOR_PATH, TOLERATED_PATH_M), self.path, strength);
-        let in_and_out_m = if iu.kind.is_repeated() { 0.0 } else { 2.0 * met_within_m };
+        let in_and_out_m = if iu.is_repeated() { 0.0 } else { 2.0 * met_within_m };
         Range { min: (min - in_and_out_m).max(0.0), max }
     }
 
@@ -240,22 +239,21 @@ impl Rates {
         rate: f64,
         strength: Strength,
     ) -> [f32; 2] {
-        let prior = match iu.kind {
-            MotionKind::AtAnother(Strokes::None | Strokes::ByFeel) => PRIOR_BY_FEEL,
-            _ => prior,
-        };
+        let is_uncounted = iu.context.is_pair() && iu.strokes != Strokes::Counted;
+        let prior = if is_uncounted { PRIOR_BY_FEEL } else { prior };
         let logs: Vec<f64> =
             iu.measured.iter().map(|measures| (f64::from(of(measures)) + stray_m).ln()).collect();
         let (centre, apart) = self.interval(&logs, prior, rate, strength);
         [centre - apart, centre + apart].map(|log| (log.exp() - stray_m) as f32)
     }
 
-    /// The more a way leads off the straight line, the more people differ in it; and who goes straight does not always do so.
+    /// The more a way leads off the straight line, the more people differ in it; and who goes straight does not always do so. They differ by a share of
+    /// how far it leads and of [`HAND_WIDTH_M`], as in paths: by 0.04 to 0.07 in the median of simulated people, and by 0.11 in motion capture.
     fn max_lateral_m(&self, shown: &[Measures], strength: Strength) -> f32 {
         let laterals: Vec<f64> = shown.iter().map(|measures| measures.lateral_m.into()).collect();
         let (centre, apart) = self.interval(
             &laterals,
-            PRIOR_LATERAL * (mean(&laterals) + f64::from(HAND_WIDTH_M)),
+            PRIOR_PATH * (mean(&laterals) + f64::from(HAND_WIDTH_M)),
             2.0 * self.lateral,
             strength,
         );
@@ -435,7 +433,7 @@ mod tests {
                 .map(|count| Measures { reversals: *count, axis, ..Measures::default() })
                 .collect();
             let (rates, iu) = in_general(&shown);
-            let Bounds { min, max } = rates.reversals(&iu, Strength::General);
+            let Bounds { min, max } = rates.reversals(&iu, Strength::GENERAL);
             (min, max)
         };
         let bounds = |reversals: &[u32]| bounds_along([-0.9, 0.1], reversals);
@@ -459,7 +457,7 @@ mod tests {
                 ..Measures::default()
             });
             let (rates, iu) = in_general(&shown);
-            let Range { min, max } = rates.path_m(&iu, met_within_m, Strength::General);
+            let Range { min, max } = rates.path_m(&iu, met_within_m, Strength::GENERAL);
             [min, max].map(|path_m| (100.0 * path_m).round() as i32)
         };
         let [min, max] = range(0, 0.0);
@@ -474,7 +472,7 @@ mod tests {
     fn strokes_that_are_made_by_feel_may_be_some_more_or_less_and_not_half() {
         let shown = [9, 11, 13, 11, 12].map(|reversals| Measures { reversals, ..Measures::default() });
         let (rates, iu) = in_general(&shown);
-        let Bounds { min, max } = rates.reversals(&iu, Strength::General);
+        let Bounds { min, max } = rates.reversals(&iu, Strength::GENERAL);
         assert!((6..=8).contains(&min) && (18..=35).contains(&max), "{min} {max}");
     }
 
@@ -484,7 +482,7 @@ mod tests {
         let frames = [120, 150, 135, 160, 128, 142, 155];
         let bounds = |context| {
             let (rates, iu) = of_people(People::IN_GENERAL, context, &shown, &frames);
-            rates.frames(&iu, 30.0, Strength::General)
+            rates.frames(&iu, 30.0, Strength::GENERAL)
         };
         let (min, max) = bounds(POLISHING).unwrap_or_default();
         assert!((140 / 3 + 10..140 * 2 / 3).contains(&min), "{min}");
@@ -499,7 +497,7 @@ mod tests {
         let at_meter = Context([1, 6, 6, 3]);
         let bounds = |frames: [u32; 7]| {
             let (rates, iu) = of_people(People::IN_GENERAL, at_meter, &shown, &frames);
-            rates.frames(&iu, 30.0, Strength::General).unwrap_or_default()
+            rates.frames(&iu, 30.0, Strength::GENERAL).unwrap_or_default()
         };
         // A second, less or more. On its way in and out the part is at the meter for a third of a second.
         let (min, max) = bounds([28, 34, 31, 47, 25, 36, 40]);
@@ -517,7 +515,7 @@ mod tests {
         let min = |variety| {
             let people = People { one_person: 0.0, variety, freedom: f64::INFINITY };
             let (rates, iu) = of_people(people, at_meter, &shown, &frames);
-            rates.frames(&iu, 30.0, Strength::General).map(|(min, _)| min)
+            rates.frames(&iu, 30.0, Strength::GENERAL).map(|(min, _)| min)
         };
         // On its way in and out the part is at the meter for 6 frames, and for 2 if people differ three times as much.
         assert!(min(1.0).is_some_and(|min| min > 14) && min(3.0).is_some_and(|min| (2..6).contains(&min)));
@@ -534,7 +532,7 @@ mod tests {
             });
             let people = People { variety, ..People::IN_GENERAL };
             let (rates, iu) = of_people(people, POLISHING, &shown, &[]);
-            rates.reversals(&iu, Strength::General).min
+            rates.reversals(&iu, Strength::GENERAL).min
         };
         assert_eq!([min(0.07, 1.0), min(0.07, 3.0), min(0.04, 1.0), min(0.2, 3.0)], [12, 10, 12, 12]);
     }
@@ -543,7 +541,7 @@ mod tests {
     fn that_people_differ_more_is_uncertain_and_makes_the_bounds_wider_than_as_many_times() {
         let values = [0.1, -0.2, 0.3, -0.1, 0.0, 0.2, -0.3];
         let apart = |prior, variety, freedom| {
-            interval(&values, prior, 0.01, People { one_person: 0.0, variety, freedom }, Strength::General).1
+            interval(&values, prior, 0.01, People { one_person: 0.0, variety, freedom }, Strength::GENERAL).1
         };
         // The spread is the same, and there are half of 22 degrees of freedom instead of 22.
         let ratio = apart(0.1, 2.0, 22.0) / apart(0.2, 1.0, f64::INFINITY);
@@ -554,7 +552,7 @@ mod tests {
     fn runs_that_differ_as_those_of_many_people_do_are_not_widened_for_one_person_as_if_they_were_alike() {
         let wider = |values: &[f64]| {
             let people = |one_person| People { one_person, ..People::IN_GENERAL };
-            let apart = |one_person| interval(values, 0.14, 0.01, people(one_person), Strength::General).1;
+            let apart = |one_person| interval(values, 0.14, 0.01, people(one_person), Strength::GENERAL).1;
             apart(1.0) / apart(0.0)
         };
         let alike = [0.02, -0.04, 0.06, -0.02, 0.0, 0.04, -0.06];

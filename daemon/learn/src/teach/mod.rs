@@ -1,14 +1,13 @@
 //! Teaching: from a few correct runs of a whole job, without labels, to a job file (paper III-C, III-D, IV-B).
 //!
-//! [`teach`] lists the stages, and [`Teaching`] has a method for each: the runs go through them once, in this order. What asks for less runs a
-//! part of the same list: [`with_learned_contacts`], [`teach_again`], and leaving one run out, which teaches with the others.
+//! [`teach`] lists the stages: the runs go through them once, in this order. What asks for less runs a part of the same list:
+//! [`with_learned_contacts`], [`teach_again`], and leaving one run out, which teaches with the others.
 //!
 //! Contexts give the nominal activities ([`Disagreement`] says where a run differs) and DBA the reference of each IU. A
 //! [`ThresholdRule`](crate::rule::ThresholdRule) gives its threshold, and a [`BoundsRule`](crate::rule::BoundsRule) the bounds of duration and of the
 //! other measures. The same runs give the same job, byte for byte. What speaks against learning from the runs is found in [`trust`] and said in the
 //! report.
 
-mod bounds;
 mod contact_regions;
 mod either_first;
 mod ius;
@@ -51,7 +50,7 @@ use people::People;
 use sampling::needed_rate_hz;
 use sequence::{Agreement, agree};
 use strength::Strengths;
-use trust::{Odd, odd_runs, too_few_frames, without_copies};
+use trust::{odd_runs, too_few_frames, without_copies};
 
 /// Teaches a job from correct runs of it.
 ///
@@ -137,33 +136,21 @@ impl<'a> Teaching<'a> {
         Ok(())
     }
 
-    /// The stages that find where hands and objects meet, and what the runs then have in common.
+    /// Finds where and how near hands and objects meet and which pairs of objects count, and what the runs then have in common.
     fn find_contacts(&mut self) -> Result<(), TeachError> {
-        if self.options.find_contact_regions {
-            self.contact_regions()?;
-            self.pairs()?;
+        if !self.options.find_contact_regions {
+            self.agree();
+            return Ok(());
         }
-        self.agree();
-        if self.options.find_contact_regions {
-            self.reach()?;
-        }
-        Ok(())
-    }
-
-    /// Finds where and how near hands and objects meet.
-    fn contact_regions(&mut self) -> Result<(), TeachError> {
         let (objects, unsure) = contact_regions::learn(&self.runs, &self.options.method);
-        self.report.unsure = unsure;
-        let encoded = encoded_with(&objects, &self.runs)?;
+        let encoded = pairs::choose(encoded_with(&objects, &self.runs)?)?;
+        let objects = encoded.first().map_or(&[][..], |run| &run.objects);
+        self.report.unsure = unsure.into_iter().chain(contact_regions::incidental(objects)).collect();
         self.given = std::mem::replace(&mut self.runs, encoded);
-        Ok(())
-    }
-
-    /// Finds which pairs of objects count.
-    fn pairs(&mut self) -> Result<(), TeachError> {
-        self.runs = pairs::choose(std::mem::take(&mut self.runs))?;
-        let objects = self.runs.first().map_or(&[][..], |run| &run.objects);
-        self.report.unsure.extend(contact_regions::incidental(objects));
+        self.agree();
+        if let Some((runs, agreement)) = reach::widened(&self.runs, &self.agreement, self.options)? {
+            (self.runs, self.agreement) = (runs, agreement);
+        }
         Ok(())
     }
 
@@ -171,14 +158,6 @@ impl<'a> Teaching<'a> {
     fn agree(&mut self) {
         self.agreement = agree(&self.runs, &self.strengths);
         self.report.job.provenance.sources = self.agreement.sources(&self.runs);
-    }
-
-    /// Lets contacts last for strokes of any right length, where people differ more than in general.
-    fn reach(&mut self) -> Result<(), TeachError> {
-        if let Some((runs, agreement)) = reach::widened(&self.runs, &self.agreement, self.options)? {
-            (self.runs, self.agreement) = (runs, agreement);
-        }
-        Ok(())
     }
 
     /// Finds which rules give way to a run that was left out while the others taught.
@@ -193,14 +172,18 @@ impl<'a> Teaching<'a> {
         }
     }
 
-    /// The stages that learn a job from what the runs have in common.
+    /// Learns a job from what the runs have in common.
     fn learn(&mut self) -> Result<(), TeachError> {
         self.check_agreement()?;
-        self.people();
+        let Self { options, runs, agreement, strengths, .. } = self;
+        self.people = People::of(runs, agreement, options.method.rate_hz);
+        self.report.one_person = self.people.one_person;
+        let job = &mut self.report.job;
+        job.passive_contacts.clone_from(&agreement.passive_contacts);
+        job.steps = relation::steps(runs, agreement, options, strengths);
+        job.objects = start::found(runs, agreement, options.method.space, &mut job.steps);
         self.ius()?;
-        self.order();
-        self.start();
-        self.names();
+        self.report.job.name_steps(&self.options.step_names);
         Ok(())
     }
 
@@ -221,12 +204,6 @@ impl<'a> Teaching<'a> {
         }
     }
 
-    /// Finds how the people differ who showed the runs.
-    fn people(&mut self) {
-        self.people = People::of(&self.runs, &self.agreement, self.options.method.rate_hz);
-        self.report.one_person = self.people.one_person;
-    }
-
     /// Learns reference, threshold and bounds of each IU.
     fn ius(&mut self) -> Result<(), TeachError> {
         let mut memory = std::mem::take(&mut self.memory);
@@ -236,23 +213,6 @@ impl<'a> Teaching<'a> {
         either_first::add(&mut self.report.job.activities, &self.agreement, &self.runs, self.options);
         self.report.occluded = self.agreement.ius().flat_map(|iu| iu.occluded.iter().cloned()).collect();
         Ok(())
-    }
-
-    /// Finds the order of the steps.
-    fn order(&mut self) {
-        self.report.job.passive_contacts.clone_from(&self.agreement.passive_contacts);
-        self.report.job.steps = relation::steps(&self.runs, &self.agreement, self.options, &self.strengths);
-    }
-
-    /// Finds where parts lie before the job moves them.
-    fn start(&mut self) {
-        let job = &mut self.report.job;
-        job.objects = start::found(&self.runs, &self.agreement, self.options.method.space, &mut job.steps);
-    }
-
-    /// Gives each step the name that it had, or else proposes one.
-    fn names(&mut self) {
-        self.report.job.name_steps(&self.options.step_names);
     }
 
     /// Measures how many frames per second the job needs.
@@ -268,9 +228,8 @@ impl<'a> Teaching<'a> {
         if self.options.examine_runs {
             // The lengths were checked when the IUs were learnt.
             let odd = odd_runs(&self.runs, &self.agreement, self.options).unwrap_or_default();
-            let Odd { doubts, questions, pauses } = odd;
-            self.report.doubts.extend(doubts);
-            (self.report.questions, self.report.pauses) = (questions, pauses);
+            self.report.doubts.extend(odd.doubts);
+            (self.report.questions, self.report.pauses) = (odd.questions, odd.pauses);
         }
     }
 

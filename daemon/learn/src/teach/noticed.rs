@@ -1,16 +1,11 @@
 //! The smallest deviation of each kind that the bounds of a job notice, and what more runs would change in it.
 
 use super::measures::narrower_with_more;
-use super::report::IuReport;
-use crate::distribution::{Right, range_of};
+use super::report::{ENOUGH_DEMONSTRATIONS, IuReport};
+use crate::distribution::{Distribution, Right, range_of};
 use crate::job_file::TaughtIu;
 use andon_core::verdict::Measure;
 use std::fmt;
-
-/// How many more runs are offered as a measure of what they bring.
-const MORE_RUNS: usize = 5;
-
-const CENTIMETRES: f32 = 100.0;
 
 /// By how much less and by how much more than what was shown is noticed; `None` where nothing is.
 type LessAndMore = [Option<f32>; 2];
@@ -40,33 +35,34 @@ pub(super) fn write(ius: &[IuReport], rate_hz: f32, f: &mut fmt::Formatter<'_>) 
 pub(super) fn cells(iu: &TaughtIu, rate_hz: f32) -> Option<[String; 7]> {
     let shown = iu.measures.shown?;
     let right = Right::of(iu, rate_hz);
-    let differs = |measure, per: f32, step: f32| {
+    let differs = |measure, step: f32| {
+        let (_, per) = Distribution::unit(Some(measure));
         let [least, most] = range_of(measure, shown, rate_hz);
         let [min, max] = right.of_measure(measure);
         let differences = [min.map(|min| least - min), max.map(|max| max - most)];
         differences.map(|difference| difference.map(|value| per * (value + step).max(0.0)))
     };
-    let most = |measure, per: f32| right.of_measure(measure)[1].map(|most| per * most);
+    let most = |measure| right.of_measure(measure)[1].map(|most| Distribution::unit(Some(measure)).1 * most);
     // The first count that is not right is noticed.
     let (stroke, frame) = (0.5, 1.0 / rate_hz);
-    let [path_less, path_more] = differs(Measure::Path, CENTIMETRES, 0.0);
-    let detour = right.max_detour(Some(Measure::Path)).map(|max| CENTIMETRES * (max - shown.detour_m));
+    let [path_less, path_more] = differs(Measure::Path, 0.0);
+    let detour = right.max_detour(Some(Measure::Path)).map(|max| 100.0 * (max - shown.detour_m));
     Some([
-        both(differs(Measure::Strokes, 1.0, stroke), 1),
-        both(differs(Measure::Duration, 1.0, frame), 1),
+        both(differs(Measure::Strokes, stroke), 1),
+        both(differs(Measure::Duration, frame), 1),
         both([path_less, detour.or(path_more)], 0),
-        both(differs(Measure::LateralDeviation, CENTIMETRES, 0.0), 0),
-        both(differs(Measure::StrokeLength, CENTIMETRES, 0.0), 1),
-        one(most(Measure::Place, CENTIMETRES), 1),
-        one(most(Measure::Direction, 1.0), 0),
+        both(differs(Measure::LateralDeviation, 0.0), 0),
+        both(differs(Measure::StrokeLength, 0.0), 1),
+        one(most(Measure::Place), 1),
+        one(most(Measure::Direction), 0),
     ])
 }
 
 /// What a number of runs, all of one kind, could gain by more of them.
 pub(super) fn what_more_would_bring(runs: usize, false_alarms: f64) -> String {
-    let share = narrower_with_more(runs, MORE_RUNS, false_alarms);
+    let share = narrower_with_more(runs, ENOUGH_DEMONSTRATIONS as usize, false_alarms);
     format!(
-        "{MORE_RUNS} more runs like these would bring these bounds {:.0} % nearer to what was shown; runs of other people move them to where \
+        "{ENOUGH_DEMONSTRATIONS} more runs like these would bring these bounds {:.0} % nearer to what was shown; runs of other people move them to where \
          people differ",
         100.0 * share
     )

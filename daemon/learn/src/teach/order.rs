@@ -6,18 +6,9 @@ use crate::job_file::{JobFile, Relation, RelationKind};
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// The steps of a job, their laws and what is only usual. `Display` prints them for people, who count from 1.
-pub(super) struct OrderReport<'a> {
-    pub(super) job: &'a JobFile,
-    /// How many runs it depends on.
-    pub(super) runs: usize,
-}
-
-impl OrderReport<'_> {
-    /// The name of each step, and the sentences about it.
-    pub(super) fn steps(&self) -> impl Iterator<Item = (String, Vec<String>)> {
-        (0..self.job.steps.len()).map(|number| (self.job.step_name(number), sentences(self.job, number)))
-    }
+/// The name of each step, and the sentences about it: its laws and what is only usual.
+pub(super) fn steps(job: &JobFile) -> impl Iterator<Item = (String, Vec<String>)> {
+    (0..job.steps.len()).map(|number| (job.step_name(number), sentences(job, number)))
 }
 
 fn sentences(job: &JobFile, number: usize) -> Vec<String> {
@@ -68,20 +59,19 @@ fn is_implied(job: &JobFile, number: usize, relation: &Relation) -> bool {
     between.into_iter().any(|other| has(number, other as u16) && has(other, relation.activity))
 }
 
-impl fmt::Display for OrderReport<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (number, (name, sentences)) in (1..).zip(self.steps()) {
-            writeln!(f, "step {number}: {name}")?;
-            sentences.iter().try_for_each(|sentence| writeln!(f, "    {sentence}"))?;
-        }
-        match self.runs {
-            _ if self.job.steps.len() < 2 => Ok(()),
-            1 => writeln!(f, "one run shows no order: any order of the steps is accepted"),
-            runs => writeln!(
-                f,
-                "chance that two unrelated steps come in the same order in all {runs} runs: {:.0} %",
-                100.0 * chance_of_one_order(runs)
-            ),
-        }
+/// Prints the steps for people, who count from 1, with how many runs the order depends on.
+pub(super) fn write(job: &JobFile, runs: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    for (number, (name, sentences)) in (1..).zip(steps(job)) {
+        writeln!(f, "step {number}: {name}")?;
+        sentences.iter().try_for_each(|sentence| writeln!(f, "    {sentence}"))?;
+    }
+    match runs {
+        _ if job.steps.len() < 2 => Ok(()),
+        1 => writeln!(f, "one run shows no order: any order of the steps is accepted"),
+        runs => writeln!(
+            f,
+            "chance that two unrelated steps come in the same order in all {runs} runs: {:.0} %",
+            100.0 * chance_of_one_order(runs)
+        ),
     }
 }

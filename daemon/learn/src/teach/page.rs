@@ -1,6 +1,7 @@
 //! The report as a page.
 
 use super::noticed::cells;
+use super::order;
 use super::report::{IuReport, TeachReport, range};
 use super::statement::Statement;
 use crate::distribution::STRIP;
@@ -19,7 +20,7 @@ pub fn page(report: &TeachReport, picture: &str) -> String {
         "How to read it: each step is below those that come before it, in the column of the hand that does it. What all runs show is law where \
          the evidence is enough; otherwise another order is only noted.",
     );
-    body += &list("ol", report.order().steps().map(|(name, sentences)| step(&name, &sentences)));
+    body += &list("ol", order::steps(job).map(|(name, sentences)| step(&name, &sentences)));
     body += &list("ul", report.findings().iter().map(Statement::html));
     body += "<h2>What was learned of each IU</h2>";
     body += &learned(report);

@@ -6,8 +6,8 @@
 //! not count is told by where in the sequence of its run it begins and ends. So a contact that all runs share is cheaper as a part of the job. One
 //! that is now here and now there is cheaper as chance.
 
-use super::leave_one_out::MIN_RUNS;
-use super::{TeachError, encoded_with, sequence};
+use super::sequence::{self, MIN_ALIKE};
+use super::{TeachError, encoded_with};
 use crate::recording::NamedObject;
 use crate::run::Run;
 use std::collections::{BTreeMap, BTreeSet};
@@ -20,7 +20,7 @@ type Pair = [u16; 2];
 /// # Errors
 /// If the runs cannot be encoded.
 pub(super) fn choose(mut runs: Vec<Run>) -> Result<Vec<Run>, TeachError> {
-    if runs.len() < MIN_RUNS {
+    if runs.len() < MIN_ALIKE {
         return Ok(runs);
     }
     let contacts = contacts(&runs);

@@ -2,35 +2,27 @@
 //! time, so what one person does is less than what is right.
 //!
 //! Where names say who showed a run (`p3_...`), they count. Who works by feel differs from run to run as people do, so that counts as one person.
-//! Else pace and lengths of strokes are compared. With five runs of one simulated
+//! Else pace, lengths of strokes and times at other parts are compared. With five runs of one simulated
 //! person 23 of 198 right jobs of others were accused without this room, and 1 with it.
 //!
 //! People who differ more than chance explains (1 %) count as varied as they may be at most (90 %). Runs that stand out are not learnt
 //! from, so the spread is underestimated. With people who differ two and three times as much as usual 3 of 812 and 3 of 616 right jobs are
 //! accused.
 
-use super::kind::MotionKind;
-use super::sequence::Agreement;
+use super::measures::PRIOR_BY_FEEL;
+use super::sequence::{Agreement, ShownIu};
 use crate::recording::person_of;
 use crate::run::{Iu, Run};
 use crate::statistics::{chi_squared, mean};
 
-/// How people differ, and how one person does from run to run. It is the standard deviation of the logarithm of the pace and of the length of
-/// strokes.
-const BETWEEN_PEOPLE: f64 = 0.14;
-const BETWEEN_RUNS: f64 = 0.08;
-
-/// The standard deviation of the logarithm of the time at another part beyond [`BORDER_S`], between runs of different people.
-pub(super) const PRIOR_DURATION: f64 = 0.3;
-
 /// Contacts begin and end by distance, so for as long the parts are on their way in and out of one, in seconds.
 const BORDER_S: f64 = 0.2;
 
-/// The variance between runs of different people in the others.
-pub(super) const IN_GENERAL: f64 = BETWEEN_RUNS * BETWEEN_RUNS + BETWEEN_PEOPLE * BETWEEN_PEOPLE;
+/// The variance of the logarithm of the pace and of the length of strokes. One person differs by 0.08 from run to run, and people by 0.14.
+pub(super) const IN_GENERAL: f64 = 0.08 * 0.08 + 0.14 * 0.14;
 
-/// The share of it that is between the runs of one of them.
-pub(super) const OF_ONE_PERSON: f64 = BETWEEN_RUNS * BETWEEN_RUNS / IN_GENERAL;
+/// The share of it that is between the runs of one person.
+pub(super) const OF_ONE_PERSON: f64 = 0.08 * 0.08 / IN_GENERAL;
 
 /// How sure it must be that these people differ more than people in general do before they count for more. People in general are taken for such ones
 /// by chance as seldom as that. Their bounds then let half of the faults pass that they would find.
@@ -43,9 +35,7 @@ const UPPER_CONFIDENCE: f64 = 0.9;
 /// What the runs tell of the people who showed them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct People {
-    /// How probable it is that one person showed all the runs. The names of the files say it (`p<person>_...`). Without names work by feel counts as
-    /// that of one, and other runs say it by how they agree. They are compared in their pace, in the length of their strokes and in their time at other parts. Both may be expected where nothing is
-    /// known.
+    /// How probable it is that one person showed all the runs.
     pub(super) one_person: f64,
     /// How many times as much as people in general they differ at most: 1 unless it is sure that it is more.
     pub(super) variety: f64,
@@ -65,16 +55,16 @@ impl People {
         let border = border_frames(rate_hz);
         let time = |iu: &Iu| Some(beyond_border(iu.worked_frames(), border));
         let deviations = [
-            deviations(runs, agreement, in_general, &|kind| !kind.is_timed(), &pace),
+            deviations(runs, agreement, in_general, &|iu| !iu.is_timed(), &pace),
             // Where the hand goes back once by chance, how far tells nothing of a person.
-            deviations(runs, agreement, in_general, &MotionKind::is_repeated, &stroke),
-            deviations(runs, agreement, PRIOR_DURATION, &MotionKind::is_timed, &time),
+            deviations(runs, agreement, in_general, &ShownIu::is_repeated, &stroke),
+            deviations(runs, agreement, PRIOR_BY_FEEL, &ShownIu::is_timed, &time),
         ];
         let people: Option<Vec<u32>> =
             agreement.used_runs(runs).iter().map(|run| person_of(&run.name)).collect();
         let one_person = match people {
             Some(people) => f64::from(people.iter().all(|person| *person == people[0])),
-            None if agreement.ius().any(|iu| iu.kind.is_by_feel()) => 1.0,
+            None if agreement.ius().any(|iu| iu.is_by_feel()) => 1.0,
             None => 1.0 / (1.0 + (-deviations.iter().map(|them| evidence_of_one(them)).sum::<f64>()).exp()),
         };
         let (variety, freedom) = variety(&deviations);
@@ -116,11 +106,11 @@ fn deviations(
     runs: &[Run],
     agreement: &Agreement,
     in_general: f64,
-    tells: &dyn Fn(MotionKind) -> bool,
+    tells: &dyn Fn(&ShownIu) -> bool,
     measured: &dyn Fn(&Iu) -> Option<f64>,
 ) -> Vec<f64> {
     let mut of_run: Vec<Vec<f64>> = vec![Vec::new(); runs.len()];
-    for iu in agreement.ius().filter(|iu| iu.context.is_touch() && tells(iu.kind)) {
+    for iu in agreement.ius().filter(|iu| iu.context.is_touch() && tells(iu)) {
         let values: Vec<(usize, f64)> =
             iu.ius(runs).filter_map(|(run, iu)| Some((run, measured(iu)?.ln()))).collect();
         let centre = mean(&values.iter().map(|(_, value)| *value).collect::<Vec<_>>());

@@ -1,23 +1,22 @@
 //! What teaching found, and whether the job can be trusted.
 
-use super::kind::{MotionKind, is_on_the_way};
+use super::kind::is_on_the_way;
 use super::noticed::{self, what_more_would_bring};
-use super::order::OrderReport;
+use super::order;
 use super::sequence::{Disagreement, Occluded};
 use super::statement::Statement;
-use super::threshold::{Learned, min_false_alarms};
+use super::threshold::min_false_alarms;
 use super::trust::{Doubt, Outlier};
 use crate::distribution::{Distribution, LEGEND, Right};
 use crate::job_file::{JobFile, TaughtIu, context_words};
 use crate::rule::ThresholdRule;
-use crate::statistics::{deviation, mean};
 use crate::strictness::Strictness;
 use andon_core::bounds::Bounds;
 use andon_core::couple::Context;
 use std::fmt;
 
 /// A threshold that depends on fewer demonstrations than this is reported: people are asked to show a job five times.
-const ENOUGH_DEMONSTRATIONS: u32 = 5;
+pub(super) const ENOUGH_DEMONSTRATIONS: u32 = 5;
 
 /// What was taught of one IU of a nominal activity, and what it depends on.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,23 +33,6 @@ pub(super) struct IuReport {
 }
 
 impl IuReport {
-    pub(super) fn new(
-        activity: u16,
-        iu: usize,
-        learned: &Learned,
-        kind: MotionKind,
-        taught: &TaughtIu,
-    ) -> Self {
-        let distances = learned.distances();
-        Self {
-            activity,
-            iu,
-            taught: taught.clone(),
-            distance: [mean(distances), deviation(distances, 1)],
-            is_by_feel: kind.is_by_feel(),
-        }
-    }
-
     /// The threshold, in words where the motion is no law.
     pub(super) fn threshold_words(&self) -> String {
         let threshold = self.taught.threshold;
@@ -251,7 +233,7 @@ impl fmt::Display for TeachReport {
         for warning in self.warnings() {
             writeln!(f, "note: {warning}")?;
         }
-        write!(f, "{}", self.order())?;
+        order::write(&self.job, self.used(), f)?;
         for line in self.findings() {
             writeln!(f, "{line}")?;
         }
@@ -292,11 +274,6 @@ impl TeachReport {
         };
         let usable = self.is_trusted().then(|| usable.into());
         begins.zip(&self.doubts).flat_map(lines).chain(usable).collect()
-    }
-
-    /// The steps of the job and their order.
-    pub(super) fn order(&self) -> OrderReport<'_> {
-        OrderReport { job: &self.job, runs: self.used() }
     }
 
     pub(super) fn rate_hz(&self) -> f32 {

@@ -7,15 +7,8 @@ use crate::job_file::JobFile;
 use crate::run::Run;
 use andon_core::verdict::{Level, Outcome, Verdict};
 
-/// At fewer frames per second than this, nobody runs a line.
-const MIN_HZ: f32 = 1.0;
-
 /// Shares of the frames that are tried before every second, third, fourth frame and so on: numerator and denominator.
 const FRACTIONS: [[u32; 2]; 3] = [[5, 6], [3, 4], [2, 3]];
-
-/// The share that is tried where no smaller one is enough. No camera delivers every frame, and a job that needed each would not be judged for the
-/// loss of one.
-const NEARLY_ALL: [u32; 2] = [19, 20];
 
 /// One in this number of thinned runs may fail to be judged: what a run itself hides may lie where a frame is left out.
 const RUNS_PER_FAILURE: usize = 10;
@@ -41,9 +34,11 @@ pub(super) fn needed_rate_hz(runs: &[&Run], job: &JobFile) -> f32 {
             && outcomes.iter().all(|outcome| outcome.is_some_and(|outcome| outcome != Outcome::Anomaly))
             && unjudged <= outcomes.len() / RUNS_PER_FAILURE
     };
-    let every = (2..=(rate_hz / MIN_HZ) as u32).map(|every| [1, every]);
+    // Nobody runs a line at less than one frame per second.
+    let every = (2..=rate_hz as u32).map(|every| [1, every]);
     let least = FRACTIONS.into_iter().chain(every).take_while(is_enough).last();
-    let least = least.or_else(|| Some(NEARLY_ALL).filter(is_enough));
+    // No camera delivers every frame, and a job that needed each would not be judged for the loss of one.
+    let least = least.or_else(|| Some([19, 20]).filter(is_enough));
     least.filter(|_| !shown.is_empty()).map_or(rate_hz, rate_of)
 }
 

@@ -12,7 +12,7 @@
 
 use super::TeachError;
 use super::contact_regions::SAME_PLACE_M;
-use super::kind::MotionKind;
+use super::kind::Strokes;
 use super::strength::{Rule, StepKey, Strengths};
 use crate::job_file::{Source, context_words};
 use crate::recording::object_name;
@@ -23,8 +23,9 @@ use andon_core::input::Side;
 use andon_core::segment::Measures;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A variant needs at least this many runs: two could share the same slip.
-const MIN_VARIANT_RUNS: usize = 3;
+/// What fewer runs than this have in common may be chance: two could share the same slip. With fewer, leaving one out would leave one, which shows
+/// neither an order nor a spread.
+pub(super) const MIN_ALIKE: usize = 3;
 
 /// A variant also needs at least this share of the runs: among many runs, three could share the same slip.
 const MIN_VARIANT_SHARE: f64 = 0.2;
@@ -78,7 +79,7 @@ pub(super) struct Sequence {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ShownIu {
     pub(super) context: Context,
-    pub(super) kind: MotionKind,
+    pub(super) strokes: Strokes,
     /// The demonstrations from which it can be learnt: index of the run, of the activity in it, and of the IU in that.
     pub(super) shown: Vec<[usize; 3]>,
     pub(super) measured: Vec<Measures>,
@@ -107,12 +108,26 @@ impl ShownIu {
         let measured: Vec<Measures> = shown.iter().map(|at| iu(*at).measures).collect();
         Self {
             context: sequence.contexts[index],
-            kind: MotionKind::of(sequence.contexts[index], &measured),
+            strokes: Strokes::of(sequence.contexts[index], &measured),
             frames: shown.iter().map(|at| iu(*at).worked_frames()).collect(),
             occluded: hidden.into_iter().map(occluded).collect(),
             shown,
             measured,
         }
+    }
+
+    pub(super) fn is_repeated(&self) -> bool {
+        self.strokes != Strokes::None
+    }
+
+    pub(super) fn is_by_feel(&self) -> bool {
+        self.strokes == Strokes::ByFeel
+    }
+
+    /// Whether the time at another part is judged: without strokes it shows that what is done there was done. Strokes are counted instead, and people
+    /// differ in how quickly they make them.
+    pub(super) fn is_timed(&self) -> bool {
+        self.context.is_pair() && !self.is_repeated()
     }
 
     /// The demonstrations from which it can be learnt, each with the index of its run.
@@ -361,7 +376,7 @@ impl<'a> Steps<'a> {
 
     /// For each step its most common sequence, followed by the variants that enough runs have.
     fn sequences(&self) -> Sequences {
-        let min_runs = MIN_VARIANT_RUNS.max((MIN_VARIANT_SHARE * self.runs.len() as f64).ceil() as usize);
+        let min_runs = MIN_ALIKE.max((MIN_VARIANT_SHARE * self.runs.len() as f64).ceil() as usize);
         let nominal = |step: StepKey| {
             let mut counts: Vec<(Vec<Context>, usize)> = self.sequences_of(&step).into_iter().collect();
             // Ties go to the longer sequence: a contact that was missed is more common than a contact that never happened.
@@ -384,7 +399,7 @@ impl<'a> Steps<'a> {
         let all = self.in_order();
         let differing = (0..self.runs.len()).filter(|run| all.iter().any(|step| differs(run, step))).count();
         // Of two runs, neither shows that the other one is right as well.
-        let may_be_wrong = differing == 1 && self.runs.len() >= MIN_RUNS || self.runs.len() < 3;
+        let may_be_wrong = differing == 1 && self.runs.len() >= MIN_RUNS || self.runs.len() < MIN_ALIKE;
         let is_law = |step: &StepKey| {
             let is_shown = may_be_wrong || (0..self.runs.len()).all(|run| !differs(&run, step));
             strengths.is_law(Rule::Sequence(*step)) && is_shown && !self.is_steadied(step)
@@ -503,9 +518,9 @@ mod tests {
     impl ShownIu {
         /// One of which nothing but this was measured.
         pub(in crate::teach) fn measuring(context: Context, measured: &[Measures], frames: &[u32]) -> Self {
-            let kind = MotionKind::of(context, measured);
+            let strokes = Strokes::of(context, measured);
             let (measured, frames) = (measured.to_vec(), frames.to_vec());
-            Self { context, kind, shown: Vec::new(), measured, frames, occluded: Vec::new() }
+            Self { context, strokes, shown: Vec::new(), measured, frames, occluded: Vec::new() }
         }
     }
 

@@ -58,7 +58,7 @@ fn start_of(id: u16, runs: &[Run], agreement: &Agreement, space: Space) -> Optio
             shown.map(|(run, index)| away_m(id, run, &run.activities[index], &place, space)).collect();
         away.filter(|away| !away.is_empty()).is_some_and(|away| {
             let (centre, apart) =
-                interval(&away, PRIOR_PUT_DOWN_M, 2.0 * RARE, People::IN_GENERAL, Strength::General);
+                interval(&away, PRIOR_PUT_DOWN_M, 2.0 * RARE, People::IN_GENERAL, Strength::GENERAL);
             centre - apart > f64::from(place.max)
         })
     };

@@ -29,44 +29,24 @@ pub(super) enum Rule {
     Measure(StepKey, Context, Measure),
 }
 
-/// How much of a rule the runs leave. Each is weaker than the one before.
+/// How much of a rule the runs leave: by how many steps its bound is wider than what is known of people in general and these runs make it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Strength {
-    /// As strong as what is known of people in general and these runs make it.
-    #[default]
-    General,
-    /// As strong as that, but wider by [`WIDENING_STEP`] so many times.
-    Widened(u8),
-    /// It is no law.
-    None,
-}
+pub(super) struct Strength(u8);
 
 /// What a bound is widened by each time that a run that was left out still lies beyond it. In smaller steps each run costs more judgements. Where one
 /// run of seven made strokes of 8.7 cm against a bound of 8.4 cm, one step was enough.
 const WIDENING_STEP: f64 = 1.25;
 
-/// A bound that is widened by more than this means nothing: with it, half or twice as much as the runs show is right.
-const MAX_WIDENING: f64 = 2.5;
-
 impl Strength {
+    /// As strong as what is known of people in general and these runs make it.
+    pub(super) const GENERAL: Self = Self(0);
+
+    /// It is no law. A bound that is widened by one step more would mean nothing: half or twice as much as the runs show would be right.
+    pub(super) const NONE: Self = Self(5);
+
     /// How much wider a bound is than the runs make it.
     pub(super) fn wider(self) -> f64 {
-        match self {
-            Self::General => 1.0,
-            Self::Widened(times) => WIDENING_STEP.powi(times.into()),
-            Self::None => f64::INFINITY,
-        }
-    }
-
-    /// The next weaker one of a bound.
-    fn weaker(self) -> Self {
-        match self {
-            Self::General => Self::Widened(1),
-            Self::Widened(times) if Self::Widened(times + 1).wider() <= MAX_WIDENING => {
-                Self::Widened(times + 1)
-            }
-            _ => Self::None,
-        }
+        WIDENING_STEP.powi(self.0.into())
     }
 }
 
@@ -79,15 +59,15 @@ impl Strengths {
     }
 
     pub(super) fn is_law(&self, rule: Rule) -> bool {
-        self.of(rule) == Strength::General
+        self.of(rule) == Strength::GENERAL
     }
 
     /// A run that was left out breaks the rule. Whether that makes it any weaker.
     pub(super) fn weaken(&mut self, rule: Rule) -> bool {
         let before = self.of(rule);
         let after = match rule {
-            Rule::Motion(..) | Rule::Measure(..) => before.weaker(),
-            _ => Strength::None,
+            Rule::Motion(..) | Rule::Measure(..) => Strength(before.0 + 1).min(Strength::NONE),
+            _ => Strength::NONE,
         };
         self.0.insert(rule, after);
         after != before

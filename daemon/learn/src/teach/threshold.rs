@@ -20,6 +20,7 @@ use andon_core::job::{LocalCost, slowdown_factor};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::f64::consts::SQRT_2;
 
 /// The root mean square, per frame, of the distance of a correct execution from its reference, used where a single demonstration gives no spread. It
 /// was measured on the simulated people of the development seeds 1 to 6, taught by one run. 0.9 finds 11 of 18 correct jobs of other people
@@ -30,13 +31,6 @@ const SINGLE_DEMONSTRATION_PER_FRAME: f64 = 1.5;
 /// How the distances of the demonstrations of an IU differ in general, as a share of their mean. It was 0.28 on average in jobs that three to
 /// five runs of one real person taught, 0.29 to 0.48 with simulated people.
 const PRIOR_SPREAD: f64 = 0.3;
-
-/// Another person's distance is greater than that of whom the reference is from. The variance between people is about that between the runs of one of
-/// them.
-const BETWEEN_PEOPLE_FACTOR: f64 = std::f64::consts::SQRT_2;
-
-/// Squared local cost of a frame in the opposite direction, under both costs: the square of the diameter of the unit circle.
-const OPPOSITE_COST: f64 = 4.0;
 
 /// What was learned from the demonstrations of one IU.
 #[derive(Clone, Debug, PartialEq)]
@@ -147,7 +141,7 @@ impl Learned {
         people: &People,
         strength: Strength,
     ) -> f64 {
-        if strength == Strength::None {
+        if strength == Strength::NONE {
             return f64::from(f32::MAX);
         }
         if self.own.len() == 1 {
@@ -159,9 +153,10 @@ impl Learned {
                 let centre = mean(&self.left_out);
                 let spread = variance_of_one_more(&self.left_out, (PRIOR_SPREAD * centre).powi(2)).sqrt();
                 let apart = strength.wider() * sigmas * spread;
-                // Costs add up under the root.
-                let of_others = people.variety * (1.0 + people.one_person * (BETWEEN_PEOPLE_FACTOR - 1.0));
-                (of_others * (centre + apart)).hypot((border_s * rate_hz * OPPOSITE_COST).sqrt())
+                // The variance between people is about that between the runs of the one whom the reference is from.
+                let of_others = people.variety * (1.0 + people.one_person * (SQRT_2 - 1.0));
+                // Costs add up under the root, and that of a frame in the opposite direction is 2.
+                (of_others * (centre + apart)).hypot((border_s * rate_hz * 4.0).sqrt())
             }
             ThresholdRule::Conformal { false_alarms } => {
                 let mut sorted = self.left_out.clone();
@@ -192,7 +187,7 @@ mod tests {
         };
         let rule = ThresholdRule::LeaveOneOut { sigmas: 4.0, border_s: 0.0 };
         let of = |left_out: &[f64]| {
-            learned(left_out).threshold(rule, 30.0, &People::IN_GENERAL, Strength::General)
+            learned(left_out).threshold(rule, 30.0, &People::IN_GENERAL, Strength::GENERAL)
         };
         // The root of 16 / 18 of 0.3 squared, and a third more for the mean of three.
         let spread = 0.3 * (16.0_f64 / 18.0 * 4.0 / 3.0).sqrt();

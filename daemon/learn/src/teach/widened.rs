@@ -1,6 +1,7 @@
 //! What leaving one run out has changed, in words.
 
-use super::leave_one_out::{LeftOut, MIN_RUNS};
+use super::leave_one_out::LeftOut;
+use super::sequence::MIN_ALIKE;
 use super::statement::Statement;
 use super::strength::{Rule, StepKey, Strength};
 use crate::distribution::Distribution;
@@ -19,7 +20,7 @@ pub(super) fn sentences(
 ) -> Vec<Statement> {
     let Some(LeftOut { strengths, rejected_before, rejected, shown }) = left_out else {
         return vec![format!(
-            "{used} run{} cannot show what another right run would be rejected for: from {MIN_RUNS} runs on each is judged by what the others teach; \
+            "{used} run{} cannot show what another right run would be rejected for: from {MIN_ALIKE} runs on each is judged by what the others teach; \
              until then whatever differs more than people in general is an anomaly, and any order of the steps is right",
             if used == 1 { "" } else { "s" }
         )
@@ -70,9 +71,9 @@ fn rule_words(
     words: &dyn Fn(Context) -> String,
 ) -> Option<String> {
     let extent = match strength {
-        Strength::General => return None,
-        Strength::Widened(_) => &format!("{:.1} times as wide", strength.wider()),
-        Strength::None => "no law, because the runs contradict it",
+        Strength::GENERAL => return None,
+        Strength::NONE => "no law, because the runs contradict it",
+        _ => &format!("{:.1} times as wide", strength.wider()),
     };
     Some(match rule {
         Rule::Sequence(step) => format!("step {}: other contacts may come in between", number(step)?),

@@ -5,7 +5,7 @@
 
 use super::steadying;
 use super::trajectory::{Tips, Trajectories};
-use super::{apart_m, centres, contact_of, contact_region, median, points_of};
+use super::{apart_m, centres, contact_of, contact_region, middle_of, points_of};
 use andon_core::config::Contact;
 use andon_core::object::{ContactRegion, ObjectShape};
 
@@ -26,11 +26,10 @@ pub(super) fn of(
     if holds.is_empty() {
         return None;
     }
-    let held_at = |hold: &Vec<Tips>| [0, 1, 2].map(|tip| median(hold.iter().map(|tips| tips[tip])));
     let learnt = if shape.has_points() {
         Vec::new()
     } else {
-        centres(&holds.iter().flat_map(held_at).collect::<Vec<_>>(), SAME_POINT_M)
+        centres(&holds.iter().flat_map(|hold| middle_of(hold)).collect::<Vec<_>>(), SAME_POINT_M)
     };
     let points = if shape.has_points() { points_of(shape) } else { learnt.clone() };
     // All but the farthest tenth: markers jump.

@@ -8,6 +8,7 @@ use super::{
     MAX_REGION_M, PUT_BACK_M, PUT_DOWN_M, SAME_PLACE_M, apart_m, centres, contact_of, contact_region,
     in_proportion, median, points_of, widened,
 };
+use crate::teach::sequence::MIN_ALIKE;
 use andon_core::config::Contact;
 use andon_core::object::{ContactRegion, ObjectShape};
 use nalgebra::Point3;
@@ -21,9 +22,6 @@ const MAX_PART_M: f32 = 0.25;
 
 /// Two parts of which one is only put back beside the other touch where their points come as near as this, in metres.
 const BESIDE_CONTACT_M: f32 = 0.005;
-
-/// In fewer runs than this, two parts come to the same place beside each other by chance. So does a hand to the same place at a part.
-pub(super) const SAME_RUNS: usize = 3;
 
 /// How the first one meets the second; `None` if it does as the station says, or never.
 pub(super) fn of(
@@ -111,7 +109,7 @@ fn touching(places: &[Place], runs: usize) -> (Vec<Place>, Vec<Place>) {
     let is_far =
         |place: &&Place| place.at.coords.norm() < MAX_PART_M && !place.is_at_another && !place.is_back;
     let (far, others): (Vec<Place>, Vec<Place>) = places.iter().partition(is_far);
-    let is_shown = runs_of(&far) >= SAME_RUNS && 2 * runs_of(&far) >= runs;
+    let is_shown = runs_of(&far) >= MIN_ALIKE && 2 * runs_of(&far) >= runs;
     if are_same(&far) && is_shown { (far, others) } else { split }
 }
 
@@ -119,7 +117,7 @@ fn touching(places: &[Place], runs: usize) -> (Vec<Place>, Vec<Place>) {
 /// that have one.
 fn may_meet(places: &[Place]) -> impl Fn(&Place) -> bool {
     let back: Vec<Place> = places.iter().filter(|place| place.is_beside).copied().collect();
-    let is_put_together = are_same(&back) && runs_of(&back) >= SAME_RUNS;
+    let is_put_together = are_same(&back) && runs_of(&back) >= MIN_ALIKE;
     move |place| is_put_together || !place.is_beside
 }
 

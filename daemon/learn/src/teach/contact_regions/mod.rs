@@ -20,14 +20,14 @@ mod unsure;
 use super::measures::{RARE, interval};
 use super::people::People;
 use super::strength::Strength;
-use crate::recording::NamedObject;
+use crate::recording::{NamedObject, shapes};
 use crate::run::Run;
 use crate::statistics::median_point;
 use andon_core::capacity::INTERACTION_POINTS;
 use andon_core::config::{Contact, Method};
 use andon_core::object::{ContactRegion, ObjectShape};
 use nalgebra::Point3;
-use trajectory::Trajectories;
+use trajectory::{Tips, Trajectories};
 pub(super) use unsure::incidental;
 
 /// Two positions that are no farther apart are one place, in metres. They are of finger tips at a part, of a part at another one, or of a part that
@@ -54,7 +54,7 @@ pub(super) fn learn(runs: &[Run], method: &Method) -> (Vec<NamedObject>, Vec<Str
             objects.push(object.clone());
         }
     }
-    let shapes: Vec<ObjectShape> = objects.iter().map(|object| object.shape.clone()).collect();
+    let shapes = shapes(&objects);
     let mut shown: Vec<Trajectories> =
         runs.iter().map(|run| Trajectories::new(run.frames(), &shapes, method.space)).collect();
     for (index, object) in objects.iter_mut().enumerate() {
@@ -109,7 +109,7 @@ fn contact_of(distances_m: &[f64], default: Contact) -> Contact {
     if distances_m.is_empty() {
         return default;
     }
-    let (centre, apart) = interval(distances_m, PRIOR_M, 2.0 * RARE, People::IN_GENERAL, Strength::General);
+    let (centre, apart) = interval(distances_m, PRIOR_M, 2.0 * RARE, People::IN_GENERAL, Strength::GENERAL);
     widened(default, (centre + apart) as f32)
 }
 
@@ -144,6 +144,11 @@ fn centres(points: &[Point3<f32>], near_m: f32) -> Vec<Point3<f32>> {
         centres.push(*point);
     }
     centres.iter().map(|point| point.map(|value| (1000.0 * value).round() / 1000.0)).collect()
+}
+
+/// The middle of each finger tip.
+fn middle_of(tips: &[Tips]) -> Tips {
+    [0, 1, 2].map(|tip| median(tips.iter().map(|tips| tips[tip])))
 }
 
 fn median(points: impl Iterator<Item = Point3<f32>> + Clone) -> Point3<f32> {

@@ -3,24 +3,22 @@
 //! Nothing that moves shows such a contact. It is one where the hand comes to the same place at the part in all runs. It rests there, leaves again,
 //! and holds nothing meanwhile. Where the hand rests in the beginning or at the end is no place at a part.
 
-use super::joining::{self, SAME_RUNS};
-use super::median;
+use super::joining;
+use super::middle_of;
 use super::trajectory::{Tips, Trajectories, centre};
+use crate::teach::sequence::MIN_ALIKE;
 use andon_core::capacity::HANDS;
 use nalgebra::Point3;
 
 /// The finger tips of the hands that rest at an object, in its frame of reference. None where not all runs show one hand at one place there.
 pub(super) fn of(object: usize, shown: &[Trajectories]) -> Vec<Tips> {
-    if shown.len() < SAME_RUNS || shown.iter().any(|run| run.carried_frames(object) > 0) {
+    if shown.len() < MIN_ALIKE || shown.iter().any(|run| run.carried_frames(object) > 0) {
         return Vec::new();
     }
-    (0..HANDS).flat_map(|hand| common(&of_hand(hand, object, shown))).collect()
-}
-
-/// Where a hand rests at an object, for each run.
-fn of_hand(hand: usize, object: usize, shown: &[Trajectories]) -> Vec<Vec<Tips>> {
-    let tips = |rest: Vec<Tips>| [0, 1, 2].map(|tip| median(rest.iter().map(|tips| tips[tip])));
-    shown.iter().map(|run| run.rests(hand, object).into_iter().map(tips).collect()).collect()
+    let places = |hand: usize| -> Vec<Vec<Tips>> {
+        shown.iter().map(|run| run.rests(hand, object).iter().map(|rest| middle_of(rest)).collect()).collect()
+    };
+    (0..HANDS).flat_map(|hand| common(&places(hand))).collect()
 }
 
 /// Those of these places that are one which all runs have.

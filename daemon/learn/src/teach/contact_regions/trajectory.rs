@@ -2,7 +2,7 @@
 
 use super::joining::TOUCH_M;
 use super::{PUT_BACK_M, SAME_PLACE_M, median};
-use crate::statistics;
+use crate::statistics::noise_m;
 use andon_core::capacity::HANDS;
 use andon_core::input::{Frame, Hand, Point, Space};
 use andon_core::object::{ObjectShape, REACH_M};
@@ -73,10 +73,12 @@ impl Trajectories {
             frames.iter().map(seen).collect()
         };
         let objects: Vec<Vec<Option<Isometry3<f32>>>> = shapes.iter().map(of_object).collect();
+        let place = |pose: &Option<Isometry3<f32>>| pose.map(|pose| pose.translation.vector.into());
+        let noise_m = |poses: &Vec<_>| noise_m(&poses.iter().map(place).collect::<Vec<_>>());
         let mut ways = Self {
             times_s: frames.iter().map(|frame| frame.captured_ns as f64 * 1e-9).collect(),
             hands: [0, 1].map(of_hand),
-            min_ways_m: objects.iter().map(|poses| jitter_bound_m(poses).max(MOVED_M)).collect(),
+            min_ways_m: objects.iter().map(|poses| noise_m(poses).max(MOVED_M)).collect(),
             objects,
             carried: Vec::new(),
         };
@@ -356,12 +358,6 @@ fn strokes<'a>(
     }
     let (first, last) = back.first().zip(back.last())?;
     (back.len() >= MIN_RETURNS).then(|| &places[*first..=*last])
-}
-
-/// How far apart two positions of an object that lies still seem to be at most, in metres. 0 where it is not seen in enough frames to tell.
-fn jitter_bound_m(poses: &[Option<Isometry3<f32>>]) -> f32 {
-    let place = |pose: &Option<Isometry3<f32>>| pose.map(|pose| pose.translation.vector.into());
-    statistics::noise_m(&poses.iter().map(place).collect::<Vec<_>>())
 }
 
 /// How far finger tips are from the middle of the object in whose frame of reference they are, in metres.

@@ -3,9 +3,9 @@
 //! Each demonstration is held against all others, so that it cannot hide in a spread that it makes itself. Centre and spread are medians, so that a
 //! second one like it does not hide it either. Ratios are compared: a slow person takes longer in every step.
 
-use crate::distribution::{Distribution, Right};
+use crate::distribution::{Distribution, PER_STROKE, Right};
 use crate::run::{Iu, Run};
-use crate::statistics::{deviation, median};
+use crate::statistics::{deviation, ends, median};
 use crate::teach::contact_regions::MAX_REGION_M;
 use crate::teach::kind::MIN_REPEATED_REVERSALS;
 use crate::teach::measures::{COUNTED_SHARE, PRIOR_PATH, do_agree, likely_reversals};
@@ -29,12 +29,6 @@ const MIN_REVERSALS: f64 = 4.0;
 /// A tracker that loses a part for a moment may add or hide as many reversals, as a share of those of the others. They are beside those that are
 /// known to be hidden. Half of the strokes are 7 of 12; one of 600 correct sets is doubted with this share, and with two thirds.
 const SEEN_REVERSALS: f64 = 0.8;
-
-/// The way in and out of the widest contact that is learnt, which ends at half as much again as the widest place, in metres.
-const MAX_CONTACT_PATH_M: f64 = 2.0 * 1.5 * MAX_REGION_M as f64;
-
-/// Where this share of the demonstrations make as many strokes, the others are exceptions, though they be two.
-const MAJORITY: (usize, usize) = (2, 3);
 
 /// How demonstrations are compared in one measure.
 struct Comparison {
@@ -122,9 +116,10 @@ impl Comparison {
     }
 }
 
+/// Whether two of three demonstrations make as many strokes. Then the others are exceptions, though they be two.
 fn do_most_agree(count: f64, others: &[f64]) -> bool {
     let counts: Vec<u32> = others.iter().chain([&count]).map(|count| *count as u32).collect();
-    do_agree(&counts, MAJORITY)
+    do_agree(&counts, (2, 3))
 }
 
 /// Whether a count of reversals contradicts what the others prove. They prove the number that they make, or that half of it is too few, whatever
@@ -164,8 +159,7 @@ pub struct Outlier {
 impl Outlier {
     /// Where it lies among the others, beside what the job that was taught says is right of the IU.
     pub(in crate::teach) fn distribution(&self, right: Option<Right<'_>>) -> Distribution {
-        // Two reversals are a stroke.
-        let per = if self.measure == Some(Measure::Strokes) { 2.0 } else { 1.0 };
+        let per = if self.measure == Some(Measure::Strokes) { PER_STROKE.into() } else { 1.0 };
         Distribution::among(
             self.measure,
             self.others.iter().map(|other| other / per),
@@ -176,8 +170,7 @@ impl Outlier {
 
     /// Where and how far it stands out, for a sentence about its run. `words` puts a context into words.
     pub(in crate::teach) fn figures(&self, words: &dyn Fn(Context) -> String) -> String {
-        let [least, most] =
-            [self.others.first(), self.others.last()].map(|end| end.copied().unwrap_or_default());
+        let [least, most] = ends(&self.others);
         let figures = match self.measure {
             Some(Measure::Duration) => {
                 format!("takes {:.1} s, the others {least:.1} to {most:.1} s", self.value)
@@ -245,7 +238,7 @@ fn of_iu(
             let share = comparison.exceeds(iu, value, &others, in_and_out_m);
             if share > 1.0 {
                 others.sort_by(f64::total_cmp);
-                let [min, max] = [others.first(), others.last()].map(|end| end.copied().unwrap_or_default());
+                let [min, max] = ends(&others);
                 let is_number = measure != Some(Measure::Strokes) || contradicts_number(value, &others);
                 let outlier = Outlier {
                     run: runs[run].name.clone(),
@@ -274,7 +267,8 @@ fn of_iu(
 fn in_and_out_m(context: Context, shown: &[Measures]) -> f64 {
     let reversals: Vec<f64> = shown.iter().map(|measures| f64::from(measures.reversals)).collect();
     let is_repeated = median(&reversals) as u32 >= MIN_REPEATED_REVERSALS;
-    if context.is_pair() && !is_repeated { MAX_CONTACT_PATH_M } else { 0.0 }
+    // The widest contact that is learnt ends at half as much again as the widest place.
+    if context.is_pair() && !is_repeated { 2.0 * 1.5 * f64::from(MAX_REGION_M) } else { 0.0 }
 }
 
 /// The value of each demonstration; those of the distance depend on which one is left out.
