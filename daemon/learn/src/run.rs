@@ -19,7 +19,7 @@ use std::sync::Arc;
 const MIN_MEASURED: f64 = 0.8;
 
 /// One Interaction Unit of a run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Iu {
     /// The context of the IU.
     pub context: Context,

@@ -16,7 +16,7 @@ pub use error::{JobFault, JobFileError};
 pub use shown::ShownValues;
 pub(crate) use shown::of_runs;
 pub use text::context_words;
-pub(crate) use text::sequence_words;
+pub(crate) use text::{sequence_words, side_of};
 
 use crate::recording::{NamedObject, object_name, shapes};
 use crate::rule::{BoundsRule, ThresholdRule};
@@ -83,9 +83,6 @@ pub enum RelationKind {
 }
 
 impl RelationKind {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Begin, Self::End, Self::Usual];
-
     /// Its word in the job file.
     pub const fn name(self) -> &'static str {
         match self {

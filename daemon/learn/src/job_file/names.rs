@@ -2,7 +2,7 @@
 //! may change them. The job, its hash and what a PLC knows of it stay the same.
 
 use super::JobFile;
-use super::text::{hand_name, others, quoted};
+use super::text::{others, quoted, side_of};
 use andon_core::couple::Context;
 use std::fmt::Write as _;
 
@@ -66,7 +66,7 @@ impl JobFile {
         let words = words.replace(char::is_control, " ");
         let hand_of = |taught: &super::TaughtActivity| taught.ius.first().map(|iu| iu.context.0[0]);
         let is_one_handed = self.activities.iter().all(|taught| hand_of(taught) == Some(*hand));
-        if is_one_handed { words } else { format!("{} hand: {words}", hand_name(*hand)) }
+        if is_one_handed { words } else { format!("{} hand: {words}", side_of(*hand).name()) }
     }
 }
 

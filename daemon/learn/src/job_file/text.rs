@@ -308,15 +308,15 @@ pub fn context_words(context: Context, name: impl Fn(u16) -> String) -> String {
     match context.0 {
         [0, 0, 0, 0] => "nothing is touched".to_owned(),
         [0, _, j, l] => format!("{} rests at {}, no hand", name(j), name(l)),
-        [hand, j, 0, 0] => format!("{} hand with {}", hand_name(hand), name(j)),
-        [hand, j, _, l] => format!("{} hand with {} at {}", hand_name(hand), name(j), name(l)),
+        [hand, j, 0, 0] => format!("{} hand with {}", side_of(hand).name(), name(j)),
+        [hand, j, _, l] => format!("{} hand with {} at {}", side_of(hand).name(), name(j), name(l)),
     }
 }
 
 /// A sequence of contexts in words: which hand has which part, and which others it comes to.
 pub(crate) fn sequence_words(contexts: &[Context], name: impl Fn(u16) -> String) -> String {
     let mut words = match contexts.first() {
-        Some(Context([hand, j, _, _])) => format!("{} hand: {}", hand_name(*hand), name(*j)),
+        Some(Context([hand, j, _, _])) => format!("{} hand: {}", side_of(*hand).name(), name(*j)),
         None => return String::new(),
     };
     for (index, name) in others(contexts, name).iter().enumerate() {
@@ -338,8 +338,8 @@ pub(super) fn others(contexts: &[Context], name: impl Fn(u16) -> String) -> Vec<
 }
 
 /// The hand of a context, which holds its number (`ID_h` in the paper).
-pub(super) const fn hand_name(hand: u16) -> &'static str {
-    if hand == Side::Left as u16 { Side::Left.name() } else { Side::Right.name() }
+pub(crate) fn side_of(hand: u16) -> Side {
+    if hand == Side::Left as u16 { Side::Left } else { Side::Right }
 }
 
 pub(super) fn quoted(text: &str) -> String {

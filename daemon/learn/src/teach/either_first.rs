@@ -97,13 +97,12 @@ mod tests {
         let mut run = Run::new("run", "", &recording, &Method::default()).unwrap();
         let iu = |context, path_m: f32, [began_s, ended_s]: [f64; 2]| Iu {
             context: Context(context),
-            motion: Vec::new(),
             measures: Measures { path_m, ..Measures::default() },
             began_ns: (began_s * 1e9) as u64,
             ended_ns: (ended_s * 1e9) as u64,
             frames: 30,
-            waited: 0,
             is_well_seen: true,
+            ..Iu::default()
         };
         let held = vec![
             iu([1, PLATE, 0, 0], path_m, [taken_s, 12.0]),

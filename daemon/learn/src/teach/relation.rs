@@ -219,10 +219,8 @@ mod tests {
         let sequence = |activity: u16, contexts: &[[u16; 4]], shown: &[(usize, usize)]| Sequence {
             activity,
             contexts: contexts.iter().copied().map(Context).collect(),
-            allows_insertions: false,
-            is_steadied: false,
             shown: shown.to_vec(),
-            ius: Vec::new(),
+            ..Sequence::default()
         };
         let whole = sequence(0, &[there, back].concat(), &[(0, 0), (1, 0)]);
         let part = sequence(0, &there, &[(2, 0), (3, 0)]);

@@ -14,7 +14,7 @@ use super::TeachError;
 use super::contact_regions::SAME_PLACE_M;
 use super::kind::Strokes;
 use super::strength::{Rule, StepKey, Strengths};
-use crate::job_file::{Source, context_words};
+use crate::job_file::{Source, context_words, side_of};
 use crate::recording::object_name;
 use crate::run::{Activity, Iu, Run};
 use crate::statistics::median;
@@ -61,7 +61,7 @@ pub struct Occluded {
 }
 
 /// A sequence of contexts that fulfils a step, and the demonstrations that show it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Sequence {
     /// Index of the activity in the job, from 0.
     pub(super) activity: u16,
@@ -196,10 +196,6 @@ impl Sequence {
         };
         self.contexts.iter().filter_map(next).collect()
     }
-}
-
-fn side_of(hand: u16) -> Side {
-    if hand == Side::Left as u16 { Side::Left } else { Side::Right }
 }
 
 /// Finds what the runs have in common. No run may be left out for the sequence of a step where the strengths or two runs say so. Then the step is
@@ -527,14 +523,8 @@ mod tests {
     impl Agreement {
         /// A job of one IU.
         pub(in crate::teach) fn of_iu(iu: &ShownIu) -> Self {
-            let sequence = Sequence {
-                activity: 0,
-                contexts: vec![iu.context],
-                allows_insertions: false,
-                is_steadied: false,
-                shown: Vec::new(),
-                ius: vec![iu.clone()],
-            };
+            let sequence =
+                Sequence { contexts: vec![iu.context], ius: vec![iu.clone()], ..Sequence::default() };
             Self { sequences: vec![sequence], ..Self::default() }
         }
     }

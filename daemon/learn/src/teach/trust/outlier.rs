@@ -315,16 +315,8 @@ mod tests {
     const PATH: &Comparison = &COMPARISONS[2];
 
     fn iu(context: [u16; 4], hidden: f32) -> Iu {
-        Iu {
-            context: Context(context),
-            motion: Vec::new(),
-            measures: Measures { hidden, ..Measures::default() },
-            began_ns: 0,
-            ended_ns: 0,
-            frames: 0,
-            waited: 0,
-            is_well_seen: true,
-        }
+        let measures = Measures { hidden, ..Measures::default() };
+        Iu { context: Context(context), measures, ..Iu::default() }
     }
 
     #[test]
