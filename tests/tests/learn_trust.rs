@@ -76,7 +76,7 @@ fn a_run_with_half_of_the_strokes_among_four_correct_ones_is_named_with_the_iu_a
     let first = refused(&report);
     let [Doubt { outlier: Some(outlier), .. }] = &report.doubts[..] else { panic!("{report}") };
     assert_eq!((outlier.run.as_str(), outlier.activity, outlier.iu), ("p5", 0, 1));
-    assert_eq!(outlier.measure, Some(Measure::Strokes));
+    assert_eq!(outlier.measure, Measure::Strokes);
     assert!(outlier.value < 0.8 * outlier.others[0], "{outlier:?}");
     for part in ["p5 is not like the others", "step 1, IU 2", "reverses its motion", "the others"] {
         assert!(first.contains(part), "{first}");

@@ -226,8 +226,7 @@ impl<'a> Teaching<'a> {
     /// Looks for what speaks against learning from the runs.
     fn trust(&mut self) {
         if self.options.examine_runs {
-            // The lengths were checked when the IUs were learnt.
-            let odd = odd_runs(&self.runs, &self.agreement, self.options).unwrap_or_default();
+            let odd = odd_runs(&self.runs, &self.agreement, self.options);
             self.report.doubts.extend(odd.doubts);
             (self.report.questions, self.report.pauses) = (odd.questions, odd.pauses);
         }

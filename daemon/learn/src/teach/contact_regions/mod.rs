@@ -41,7 +41,7 @@ pub(super) const PUT_BACK_M: f32 = 0.05;
 pub(super) const PUT_DOWN_M: f32 = 0.01;
 
 /// A place that is learnt is no wider than this, in metres: a shelf is wider than the runs show.
-pub(super) const MAX_REGION_M: f32 = 0.1;
+const MAX_REGION_M: f32 = 0.1;
 
 /// How people in general differ in how near they come, in metres.
 const PRIOR_M: f64 = 0.004;

@@ -17,7 +17,6 @@ use crate::job_file::context_words;
 use crate::recording::object_name;
 use crate::run::Run;
 use andon_core::config::Method;
-use andon_core::dtw::Refused;
 
 /// The least frame rate of a run, as a share of that of the grid. Jobs were taught by five simulated people (three seeds) at 30 frames per second and
 /// thinned evenly. From every second frame they found 12 of 12 `J1` of other people, and from every third frame 3 of 12. The motion is then measured
@@ -58,7 +57,7 @@ fn names(names: &[String], [has, have]: [&str; 2]) -> String {
     format!("{} {}", names.join(", "), if names.len() == 1 { has } else { have })
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Odd {
     pub(super) doubts: Vec<Doubt>,
     /// Demonstrations that stand out where that changes nothing that the others prove: was it right?
@@ -97,22 +96,19 @@ fn few_agree(used: usize, runs: usize) -> Option<Doubt> {
 }
 
 /// What stands out among these runs, once it is known what they have in common.
-///
-/// # Errors
-/// If an IU is too long to be compared.
-pub(super) fn odd_runs(runs: &[Run], agreement: &Agreement, options: &TeachOptions) -> Result<Odd, Refused> {
+pub(super) fn odd_runs(runs: &[Run], agreement: &Agreement, options: &TeachOptions) -> Odd {
     let words = |context| context_words(context, |id| object_name(&runs[0].objects, id));
     let kept = agreement.used_runs(runs);
     // Whoever says that the order does not matter has seen that it differs.
     let has_order = options.order_matters != Some(false);
     let order = has_order.then(|| order::odd_one(&kept, agreement, &words)).flatten();
     let (pauses, odd): (Vec<_>, Vec<_>) =
-        outlier::of_runs(runs, agreement, options)?.into_iter().partition(|outlier| outlier.is_pause);
+        outlier::of_runs(runs, agreement, options).into_iter().partition(|outlier| outlier.is_pause);
     let (odd, questions): (Vec<_>, Vec<_>) = odd.into_iter().partition(|outlier| outlier.is_law_of_others);
     let odd = odd.into_iter().map(|outlier| {
         let figures = outlier.figures(&words);
         Doubt::of(outlier, &figures)
     });
     let doubts = few_agree(kept.len(), runs.len()).into_iter().chain(order).chain(odd).collect();
-    Ok(Odd { doubts, questions, pauses })
+    Odd { doubts, questions, pauses }
 }

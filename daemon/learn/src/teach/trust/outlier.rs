@@ -6,17 +6,11 @@
 use crate::distribution::{Distribution, PER_STROKE, Right};
 use crate::run::{Iu, Run};
 use crate::statistics::{deviation, ends, median};
-use crate::teach::contact_regions::MAX_REGION_M;
 use crate::teach::kind::MIN_REPEATED_REVERSALS;
 use crate::teach::measures::{COUNTED_SHARE, PRIOR_PATH, do_agree, likely_reversals};
 use crate::teach::options::TeachOptions;
 use crate::teach::sequence::{Agreement, MIN_RUNS, Sequence};
-use crate::teach::threshold::compared;
-use crate::warp::{DistanceMatrix, Warp};
 use andon_core::couple::Context;
-use andon_core::dtw::Refused;
-use andon_core::job::LocalCost;
-use andon_core::object::HAND_WIDTH_M;
 use andon_core::segment::Measures;
 use andon_core::verdict::Measure;
 
@@ -32,8 +26,7 @@ const SEEN_REVERSALS: f64 = 0.8;
 
 /// How demonstrations are compared in one measure.
 struct Comparison {
-    /// What is compared; `None` is the motion, by the median DTW distance to the other demonstrations.
-    measure: Option<Measure>,
+    measure: Measure,
     /// A demonstration stands out if it is more than this many spreads away from the centre of the others.
     max_spreads: f64,
     /// Fewer demonstrations than this cannot tell which of them is the odd one.
@@ -42,77 +35,61 @@ struct Comparison {
     min_spread: f64,
     /// What is added before the logarithm is taken, because noise is not a share of what is small.
     noise: f64,
-    /// How many times as much of it a hidden frame of an IU has as a mean one.
-    per_hidden: f64,
 }
 
-/// All comparisons; what explains the others comes first. Durations and ways of simulated people differ by 0.05 to 0.2 (standard deviation of the
-/// logarithm). The reversals of six strokes differ by 0.03 and their DTW distances by 0.3. Cycles are counted, so that fewer spreads are enough, and
-/// two that count alike to find a third. The noise is one reversal, the five frames of a contact, and a hand's width. Of motions it is the distance
-/// of two that differ in a frame or two. A part that comes in unseen goes farther than one that is there.
-const COMPARISONS: [Comparison; 4] = [
-    Comparison::new(Some(Measure::Strokes), (3.2, 3), 0.08, 1.0, 0.0),
-    Comparison::new(Some(Measure::Duration), (5.0, MIN_RUNS), 0.15, 0.17, 1.0),
-    Comparison::new(Some(Measure::Path), (5.0, MIN_RUNS), 0.15, HAND_WIDTH_M as f64, 2.0),
-    Comparison::new(None, (5.0, MIN_RUNS), 0.3, 2.0, 0.0),
+/// All comparisons; what explains the others comes first. Durations of simulated people differ by 0.05 to 0.2 (standard deviation of the logarithm),
+/// and the reversals of six strokes by 0.03. Cycles are counted, so that fewer spreads are enough, and two that count alike to find a third. The
+/// noise is one reversal, and the five frames of a contact.
+const COMPARISONS: [Comparison; 2] = [
+    Comparison { measure: Measure::Strokes, max_spreads: 3.2, min_runs: 3, min_spread: 0.08, noise: 1.0 },
+    Comparison {
+        measure: Measure::Duration,
+        max_spreads: 5.0,
+        min_runs: MIN_RUNS,
+        min_spread: 0.15,
+        noise: 0.17,
+    },
 ];
 
 impl Comparison {
-    const fn new(
-        measure: Option<Measure>,
-        (max_spreads, min_runs): (f64, usize),
-        min_spread: f64,
-        noise: f64,
-        per_hidden: f64,
-    ) -> Self {
-        Self { measure, max_spreads, min_runs, min_spread, noise, per_hidden }
-    }
-
-    /// What was hidden may be of the IU before or behind, and a hand that waits may be about to work. What comes quickly to another part touches it
-    /// later. It is as much less, or as much more, as brings the value nearest to the others.
-    fn nearest(&self, value: f64, iu: &Iu, others: &[f64], in_and_out_m: f64) -> f64 {
-        let seen = 1.0 - self.per_hidden * f64::from(iu.measures.hidden);
-        let (waited, uncounted) = match self.measure {
-            Some(Measure::Duration) => (f64::from(iu.waited) / f64::from(iu.worked_frames()), 0.0),
-            Some(Measure::Path) => (0.0, in_and_out_m),
-            _ => (0.0, 0.0),
-        };
-        median(others).clamp(seen.max(0.0) * value, (1.0 + waited) * value + uncounted)
+    /// What was hidden may be of the IU before or behind, and a hand that waits may be about to work. It is as much less, or as much more, as brings
+    /// the value nearest to the others.
+    fn nearest(&self, value: f64, iu: &Iu, others: &[f64]) -> f64 {
+        if self.measure == Measure::Strokes {
+            return value;
+        }
+        let seen = 1.0 - f64::from(iu.measures.hidden);
+        let waited = f64::from(iu.waited) / f64::from(iu.worked_frames());
+        median(others).clamp(seen.max(0.0) * value, (1.0 + waited) * value)
     }
 
     /// How far the value of an IU is away from the others, as a share of what is allowed.
-    fn exceeds(&self, iu: &Iu, value: f64, others: &[f64], in_and_out_m: f64) -> f64 {
-        let value = self.nearest(value, iu, others, in_and_out_m);
+    fn exceeds(&self, iu: &Iu, value: f64, others: &[f64]) -> f64 {
+        let value = self.nearest(value, iu, others);
         if self.is_noise(iu.context, value, median(others)) {
             return 0.0;
         }
         let log = |value: f64| (value + self.noise).ln();
         let logs: Vec<f64> = others.iter().copied().map(log).collect();
         let centre = median(&logs);
-        let spread = match self.measure {
-            // Where most do not make the same number of strokes, how they differ shows how people do who make them by feel.
-            Some(Measure::Strokes) if !do_most_agree(value, others) => deviation(&logs, 1).hypot(PRIOR_PATH),
-            _ => {
-                let deviations: Vec<f64> = logs.iter().map(|log| (log - centre).abs()).collect();
-                (DEVIATIONS_PER_MEDIAN * median(&deviations)).hypot(self.min_spread)
-            }
+        // Where most do not make the same number of strokes, how they differ shows how people do who make them by feel.
+        let spread = if self.measure == Measure::Strokes && !do_most_agree(value, others) {
+            deviation(&logs, 1).hypot(PRIOR_PATH)
+        } else {
+            let deviations: Vec<f64> = logs.iter().map(|log| (log - centre).abs()).collect();
+            (DEVIATIONS_PER_MEDIAN * median(&deviations)).hypot(self.min_spread)
         };
         (log(value) - centre).abs() / (self.max_spreads * spread)
     }
 
     /// Whether it says nothing that the value differs from this centre of the others.
     fn is_noise(&self, context: Context, value: f64, centre: f64) -> bool {
-        match self.measure {
-            Some(Measure::Strokes) => {
-                let [few, many] = [value.min(centre), value.max(centre)];
-                many - few < MIN_REVERSALS || few >= SEEN_REVERSALS * many
-            }
-            // Nobody is too much like the others.
-            None => value < centre,
-            // Somebody may be quick on the way.
-            Some(Measure::Duration) => value < centre && !context.is_pair(),
-            Some(_) => false,
+        if self.measure == Measure::Strokes {
+            let [few, many] = [value.min(centre), value.max(centre)];
+            return many - few < MIN_REVERSALS || few >= SEEN_REVERSALS * many;
         }
+        // Somebody may be quick on the way.
+        value < centre && !context.is_pair()
     }
 }
 
@@ -144,9 +121,9 @@ pub struct Outlier {
     pub iu: usize,
     /// The context of the IU.
     pub context: Context,
-    /// In what it stands out; `None` is its motion.
-    pub measure: Option<Measure>,
-    /// Its value: in seconds, reversals or metres, or the median DTW distance to the others.
+    /// In what it stands out: in strokes or in its duration.
+    pub measure: Measure,
+    /// Its value, in reversals or in seconds.
     pub value: f64,
     /// Those of the others, sorted.
     pub others: Vec<f64>,
@@ -159,9 +136,9 @@ pub struct Outlier {
 impl Outlier {
     /// Where it lies among the others, beside what the job that was taught says is right of the IU.
     pub(in crate::teach) fn distribution(&self, right: Option<Right<'_>>) -> Distribution {
-        let per = if self.measure == Some(Measure::Strokes) { PER_STROKE.into() } else { 1.0 };
+        let per = if self.measure == Measure::Strokes { PER_STROKE.into() } else { 1.0 };
         Distribution::among(
-            self.measure,
+            Some(self.measure),
             self.others.iter().map(|other| other / per),
             self.value / per,
             right,
@@ -171,21 +148,10 @@ impl Outlier {
     /// Where and how far it stands out, for a sentence about its run. `words` puts a context into words.
     pub(in crate::teach) fn figures(&self, words: &dyn Fn(Context) -> String) -> String {
         let [least, most] = ends(&self.others);
-        let figures = match self.measure {
-            Some(Measure::Duration) => {
-                format!("takes {:.1} s, the others {least:.1} to {most:.1} s", self.value)
-            }
-            Some(Measure::Strokes) => {
-                format!("reverses its motion {} times, the others {least} to {most} times", self.value)
-            }
-            Some(_) => {
-                let [way, least, most] = [self.value, least, most].map(|metres| 100.0 * metres);
-                format!("has a way of {way:.0} cm, the others of {least:.0} to {most:.0} cm")
-            }
-            None => format!(
-                "has distance {:.1} to the others, which have {least:.1} to {most:.1} to each other",
-                self.value
-            ),
+        let figures = if self.measure == Measure::Strokes {
+            format!("reverses its motion {} times, the others {least} to {most} times", self.value)
+        } else {
+            format!("takes {:.1} s, the others {least:.1} to {most:.1} s", self.value)
         };
         let place = format!("step {}, IU {}", self.activity + 1, self.iu + 1);
         format!("in {place} ({}) it {figures}", words(self.context))
@@ -193,19 +159,13 @@ impl Outlier {
 }
 
 /// The demonstrations that stand out, at most one per run: the one that stands out most, and a pause only if there is no other.
-pub(super) fn of_runs(
-    runs: &[Run],
-    agreement: &Agreement,
-    options: &TeachOptions,
-) -> Result<Vec<Outlier>, Refused> {
-    // What is like what does not depend on the cost by which the job is judged.
-    let mut warp = Warp::new(LocalCost::Circular { bins: options.method.bins });
+pub(super) fn of_runs(runs: &[Run], agreement: &Agreement, options: &TeachOptions) -> Vec<Outlier> {
     let mut found: Vec<(usize, f64, Outlier)> = Vec::new();
     for sequence in &agreement.sequences {
         for (index, iu) in sequence.ius.iter().enumerate() {
             // How long a release state lasts says nothing about the work.
             if iu.context.is_touch() {
-                of_iu(runs, sequence, index, options, &mut warp, &mut found)?;
+                of_iu(runs, sequence, index, options, &mut found);
             }
         }
     }
@@ -214,7 +174,7 @@ pub(super) fn of_runs(
         order(one).cmp(&order(other)).then(other.1.total_cmp(&one.1))
     });
     found.dedup_by_key(|(run, ..)| *run);
-    Ok(found.into_iter().map(|(.., outlier)| outlier).collect())
+    found.into_iter().map(|(.., outlier)| outlier).collect()
 }
 
 /// Adds the demonstrations of one IU that stand out, each with its run and with how far.
@@ -223,23 +183,20 @@ fn of_iu(
     sequence: &Sequence,
     index: usize,
     options: &TeachOptions,
-    warp: &mut Warp,
     found: &mut Vec<(usize, f64, Outlier)>,
-) -> Result<(), Refused> {
+) {
     let shown: Vec<(usize, &Iu)> = sequence.ius[index].ius(runs).collect();
-    let motions: Vec<_> = shown.iter().map(|(_, iu)| compared(iu, options)).collect();
-    let distances = warp.matrix(&motions)?;
-    let in_and_out_m = in_and_out_m(sequence.contexts[index], &sequence.ius[index].measured);
     for comparison in COMPARISONS.iter().filter(|comparison| shown.len() >= comparison.min_runs) {
         let measure = comparison.measure;
         let values = values(measure, options.method.rate_hz, &shown);
         for (at, &(run, iu)) in shown.iter().enumerate() {
-            let (value, mut others) = left_out(measure, &values, &distances, at);
-            let share = comparison.exceeds(iu, value, &others, in_and_out_m);
+            let mut others = values.clone();
+            let value = others.remove(at);
+            let share = comparison.exceeds(iu, value, &others);
             if share > 1.0 {
                 others.sort_by(f64::total_cmp);
                 let [min, max] = ends(&others);
-                let is_number = measure != Some(Measure::Strokes) || contradicts_number(value, &others);
+                let is_number = measure != Measure::Strokes || contradicts_number(value, &others);
                 let outlier = Outlier {
                     run: runs[run].name.clone(),
                     activity: sequence.activity,
@@ -247,7 +204,7 @@ fn of_iu(
                     context: iu.context,
                     measure,
                     value,
-                    is_pause: measure == Some(Measure::Duration)
+                    is_pause: measure == Measure::Duration
                         && (median(&others)..=max + options.bounds.pause_s).contains(&value),
                     others,
                     // What the runs have only in part in common is in pieces, and what lies between others contradicts none of them.
@@ -260,49 +217,18 @@ fn of_iu(
             }
         }
     }
-    Ok(())
 }
 
-/// How much of the way in and out may not lie within the contact of an IU with these demonstrations, in metres. None where most make strokes.
-fn in_and_out_m(context: Context, shown: &[Measures]) -> f64 {
-    let reversals: Vec<f64> = shown.iter().map(|measures| f64::from(measures.reversals)).collect();
-    let is_repeated = median(&reversals) as u32 >= MIN_REPEATED_REVERSALS;
-    // The widest contact that is learnt ends at half as much again as the widest place.
-    if context.is_pair() && !is_repeated { 2.0 * 1.5 * f64::from(MAX_REGION_M) } else { 0.0 }
-}
-
-/// The value of each demonstration; those of the distance depend on which one is left out.
-fn values(measure: Option<Measure>, rate_hz: f32, shown: &[(usize, &Iu)]) -> Vec<f64> {
+/// The value of each demonstration.
+fn values(measure: Measure, rate_hz: f32, shown: &[(usize, &Iu)]) -> Vec<f64> {
     let ius = shown.iter().map(|(_, iu)| iu);
-    match measure {
-        Some(Measure::Duration) => ius.map(|iu| f64::from(iu.worked_frames()) / f64::from(rate_hz)).collect(),
-        // What was hidden may have been strokes, but not at any pace: a gap in half of the strokes would hide the other half.
-        Some(Measure::Strokes) => {
-            let at_pace = |of: &Measures| Measures { hidden_reversals: of.hidden_reversals_at_pace(), ..*of };
-            let measures: Vec<Measures> = ius.map(|iu| at_pace(&iu.measures)).collect();
-            likely_reversals(&measures).map(f64::from).collect()
-        }
-        Some(_) => ius.map(|iu| iu.measures.path_m.into()).collect(),
-        None => vec![0.0; shown.len()],
+    if measure == Measure::Duration {
+        return ius.map(|iu| f64::from(iu.worked_frames()) / f64::from(rate_hz)).collect();
     }
-}
-
-/// The value of the demonstration at this place, and those that the others have without it.
-fn left_out(
-    measure: Option<Measure>,
-    values: &[f64],
-    distances: &DistanceMatrix,
-    at: usize,
-) -> (f64, Vec<f64>) {
-    let others = (0..values.len()).filter(|&other| other != at);
-    if measure.is_some() {
-        return (values[at], others.map(|other| values[other]).collect());
-    }
-    let to_others = |from: usize| {
-        let others = (0..values.len()).filter(|&other| other != at && other != from);
-        median(&others.map(|other| distances.get(from, other)).collect::<Vec<_>>())
-    };
-    (to_others(at), others.map(to_others).collect())
+    // What was hidden may have been strokes, but not at any pace: a gap in half of the strokes would hide the other half.
+    let at_pace = |of: &Measures| Measures { hidden_reversals: of.hidden_reversals_at_pace(), ..*of };
+    let measures: Vec<Measures> = ius.map(|iu| at_pace(&iu.measures)).collect();
+    likely_reversals(&measures).map(f64::from).collect()
 }
 
 #[cfg(test)]
@@ -312,7 +238,6 @@ mod tests {
     const POLISHING: [u16; 4] = [1, 5, 5, 6];
     const STROKES: &Comparison = &COMPARISONS[0];
     const DURATION: &Comparison = &COMPARISONS[1];
-    const PATH: &Comparison = &COMPARISONS[2];
 
     fn iu(context: [u16; 4], hidden: f32) -> Iu {
         let measures = Measures { hidden, ..Measures::default() };
@@ -322,35 +247,19 @@ mod tests {
     #[test]
     fn what_was_hidden_or_waited_of_an_iu_does_not_make_it_longer_or_shorter_than_others() {
         let iu = |hidden| iu(POLISHING, hidden);
-        let others = [0.04, 0.05, 0.06];
-        let exceeds = |hidden| PATH.exceeds(&iu(hidden), 0.3, &others, 0.0);
-        assert!(exceeds(0.0) > 1.0 && exceeds(0.4) < 0.5);
+        let exceeds = |hidden| DURATION.exceeds(&iu(hidden), 8.0, &[1.9, 2.0, 2.1]);
+        assert!(exceeds(0.0) > 1.0 && exceeds(0.7) < 0.5);
         let waits = Iu { frames: 150, waited: 120, ..iu(0.0) };
-        let nearest = |others: [f64; 3]| DURATION.nearest(1.0, &waits, &others, 0.0);
+        let nearest = |others: [f64; 3]| DURATION.nearest(1.0, &waits, &others);
         assert_eq!([nearest([0.5; 3]), nearest([3.0; 3]), nearest([9.0; 3])], [1.0, 3.0, 5.0]);
-        // A way that is too short was not made so by what was hidden of it.
-        assert_eq!(PATH.nearest(0.01, &iu(0.4), &others, 0.0), 0.01);
-    }
-
-    #[test]
-    fn a_short_way_within_a_contact_says_nothing_unless_most_make_strokes_there() {
-        let in_and_out_m = |context: [u16; 4], reversals: [u32; 3]| {
-            let shown = reversals.map(|reversals| Measures { reversals, ..Measures::default() });
-            in_and_out_m(Context(context), &shown)
-        };
-        assert_eq!(in_and_out_m([1, 5, 0, 0], [0; 3]), 0.0);
-        assert_eq!(in_and_out_m(POLISHING, [0, 6, 7]), 0.0, "one has left them out");
-        let within_m = in_and_out_m(POLISHING, [0, 4, 1]);
-        let exceeds = |way_m: f64| {
-            PATH.exceeds(&iu(POLISHING, 0.0), 0.02, &[way_m, way_m + 0.01, way_m + 0.02], within_m)
-        };
-        assert!(exceeds(0.3) < 0.5 && exceeds(1.2) > 1.0);
+        // A time that is too short was not made so by what was hidden of it.
+        assert_eq!(DURATION.nearest(0.5, &iu(0.4), &[1.9, 2.0, 2.1]), 0.5);
     }
 
     #[test]
     fn who_makes_strokes_by_feel_is_no_exception_and_who_leaves_half_of_them_out_is() {
         let exceeds =
-            |value: f64, others: [f64; 4]| STROKES.exceeds(&iu(POLISHING, 0.0), value, &others, 0.0) > 1.0;
+            |value: f64, others: [f64; 4]| STROKES.exceeds(&iu(POLISHING, 0.0), value, &others) > 1.0;
         assert!(exceeds(7.0, [13.0; 4]) && exceeds(7.0, [13.0, 12.0, 15.0, 13.0]));
         assert!(!exceeds(11.0, [7.0, 7.0, 11.0, 7.0]) && !exceeds(7.0, [9.0, 11.0, 11.0, 11.0]));
     }
@@ -363,7 +272,7 @@ mod tests {
 
     #[test]
     fn who_is_quick_stands_out_only_where_the_time_shows_what_was_done() {
-        let exceeds = |context| DURATION.exceeds(&iu(context, 0.0), 0.3, &[2.0; 4], 0.0) > 1.0;
+        let exceeds = |context| DURATION.exceeds(&iu(context, 0.0), 0.3, &[2.0; 4]) > 1.0;
         assert!(exceeds(POLISHING) && !exceeds([1, 5, 0, 0]));
     }
 }
