@@ -6,6 +6,11 @@ use heapless::Vec;
 /// A point or a vector in metres.
 pub type Point = [f32; 3];
 
+/// Whether a point can be on a bench: finite, and within a kilometre, so that no square of it overflows.
+pub fn is_on_bench(point: Point) -> bool {
+    point.iter().all(|value| value.abs() < 1000.0)
+}
+
 /// Which hand. Its number is `ID_h` in the context features.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Side {

@@ -5,7 +5,7 @@ use super::geometry::{
     Cloud, Quaternion, about_z, add, distance, inverse, rotated, rotation_after, subtract, unit, yaw,
 };
 use crate::capacity::PERSIST_FRAMES;
-use crate::input::{Hand, Object, Point, Space};
+use crate::input::{Hand, Object, Point, Space, is_on_bench};
 
 /// How far from its landmarks a hand hides things, in metres: the length of a palm.
 const COVERED_M: f32 = 0.12;
@@ -125,7 +125,7 @@ impl HandPose {
     pub(super) fn seen(hand: &Hand, space: Space) -> Option<Self> {
         let points = [hand.wrist, hand.middle_knuckle, hand.tips[0], hand.tips[1], hand.tips[2]];
         let points = points.map(|point| space.flat(point));
-        if !points.iter().all(|point| is_near(*point)) {
+        if !points.iter().all(|point| is_on_bench(*point)) {
             return None;
         }
         let [wrist, middle_knuckle, tips @ ..] = points;
@@ -209,7 +209,7 @@ impl Default for ObjectPose {
 impl ObjectPose {
     /// The pose of an object that is seen; `None` if a number is not finite or too large, or the quaternion has length zero.
     pub(super) fn seen(object: &Object, space: Space) -> Option<Self> {
-        if !is_near(object.position) {
+        if !is_on_bench(object.position) {
             return None;
         }
         let whole = unit(object.orientation)?;
@@ -236,11 +236,6 @@ impl ObjectPose {
         };
         Self { source, unseen: self.unseen.saturating_add(1), ..self }
     }
-}
-
-/// Whether a point can be on a bench: finite, and within a kilometre, so that no square of it overflows.
-fn is_near(point: Point) -> bool {
-    point.iter().all(|value| value.abs() < 1000.0)
 }
 
 /// How an object lies in the hand that carries it: as a rigid body that rotates with the hand about z and keeps its tilt.

@@ -5,16 +5,13 @@ use super::line::{FORMAT, FrameLine, HandEntry, HeaderLine, Magic, ObjectEntry, 
 use super::{Header, Landmarks, NamedObject, Recording};
 use crate::file::{BYTE_ORDER_MARK, NotText, is_utf16};
 use andon_core::capacity::{HANDS, INTERACTION_POINTS, OBJECTS};
-use andon_core::input::{Frame, Hand, Object, Point, Side};
+use andon_core::input::{Frame, Hand, Object, Point, Side, is_on_bench};
 use andon_core::object::ObjectShape;
 use std::fmt;
 use std::io::{BufRead, Read};
 
 /// Maximum length of a line. 32 objects and two whole hands with 17 digits per number are 12 kB, and there may be unknown keys too.
 const MAX_LINE_BYTES: usize = 1 << 20;
-
-/// Maximum coordinate in metres: no bench is wider than a kilometre, and the square of this is far from overflow.
-const MAX_COORDINATE_M: f64 = 1000.0;
 
 /// Maximum `t` in seconds: 30 years. A file that begins later has times since 1970, and its first frame is its beginning.
 const MAX_TIME_S: f64 = 1e9;
@@ -397,8 +394,9 @@ fn object_of(entry: &ObjectEntry, header: &Header) -> Result<Option<Object>, Str
 }
 
 fn point_of(point: &[f64; 3], what: &'static str) -> Result<Point, String> {
-    if point.iter().all(|value| value.abs() <= MAX_COORDINATE_M) {
-        Ok(point.map(|value| value as f32))
+    let point = point.map(|value| value as f32);
+    if is_on_bench(point) {
+        Ok(point)
     } else {
         Err(format!("{what} is infinite or larger than any bench; places are in metres: 100 mm is 0.1"))
     }
