@@ -47,9 +47,6 @@ pub(super) const RARE: f64 = 0.005;
 /// go back before the contact ends, or only after that.
 const BORDER_REVERSALS: u32 = 1;
 
-/// The length of the axis of strokes below which they are circles: it is 0 for a circle and 1 for a straight line.
-const MAX_ALONG_AXIS: f64 = 0.5;
-
 /// Strokes are counted if this share of the runs has as many. Who makes five or so by feel makes as many in four of five runs by chance. That is as
 /// often as who counts them makes a mistake.
 pub(super) const COUNTED_SHARE: (usize, usize) = (5, 6);
@@ -333,10 +330,10 @@ fn is_directed(iu: &ShownIu) -> bool {
     iu.context.is_pair() && iu.measured.iter().all(|measures| measures.path_m >= HAND_WIDTH_M)
 }
 
-/// Whether the strokes are circles, or lead up and down, of which the axis does not tell.
+/// Whether the strokes are circles, or lead up and down, of which the axis does not tell: its length is 0 for a circle and 1 for a straight line.
 fn is_round(shown: &[Measures]) -> bool {
     let along = |measures: &Measures| f64::from(measures.axis[0].hypot(measures.axis[1]));
-    mean(&shown.iter().map(along).collect::<Vec<_>>()) < MAX_ALONG_AXIS
+    mean(&shown.iter().map(along).collect::<Vec<_>>()) < 0.5
 }
 
 /// By how many reversals a count is above these bounds, negative if it is below.
@@ -383,14 +380,10 @@ mod tests {
 
     const POLISHING: Context = Context([1, 5, 5, 6]);
 
-    /// An IU with its demonstrations, and the rates of a job of people that has no other one.
-    fn of_people(one_person: f64, context: Context, shown: &[Measures], frames: &[u32]) -> (Rates, ShownIu) {
+    /// An IU with its demonstrations, and the rates of a job of different people that has no other one.
+    fn job_of(context: Context, shown: &[Measures], frames: &[u32]) -> (Rates, ShownIu) {
         let iu = ShownIu::measuring(context, shown, frames);
-        (Rates::new(0.03, one_person, &Agreement::of_iu(&iu)), iu)
-    }
-
-    fn in_general(shown: &[Measures]) -> (Rates, ShownIu) {
-        of_people(0.0, POLISHING, shown, &[])
+        (Rates::new(0.03, 0.0, &Agreement::of_iu(&iu)), iu)
     }
 
     #[test]
@@ -417,7 +410,7 @@ mod tests {
                 .iter()
                 .map(|count| Measures { reversals: *count, axis, ..Measures::default() })
                 .collect();
-            let (rates, iu) = in_general(&shown);
+            let (rates, iu) = job_of(POLISHING, &shown, &[]);
             let Bounds { min, max } = rates.reversals(&iu, Strength::GENERAL);
             (min, max)
         };
@@ -441,7 +434,7 @@ mod tests {
                 reversals,
                 ..Measures::default()
             });
-            let (rates, iu) = in_general(&shown);
+            let (rates, iu) = job_of(POLISHING, &shown, &[]);
             let Range { min, max } = rates.path_m(&iu, met_within_m, Strength::GENERAL);
             [min, max].map(|path_m| (100.0 * path_m).round() as i32)
         };
@@ -456,7 +449,7 @@ mod tests {
     #[test]
     fn strokes_that_are_made_by_feel_may_be_some_more_or_less_and_not_half() {
         let shown = [9, 11, 13, 11, 12].map(|reversals| Measures { reversals, ..Measures::default() });
-        let (rates, iu) = in_general(&shown);
+        let (rates, iu) = job_of(POLISHING, &shown, &[]);
         let Bounds { min, max } = rates.reversals(&iu, Strength::GENERAL);
         assert!((6..=8).contains(&min) && (18..=35).contains(&max), "{min} {max}");
     }
@@ -466,7 +459,7 @@ mod tests {
         let shown = [Measures { reversals: 13, ..Measures::default() }; 7];
         let frames = [120, 150, 135, 160, 128, 142, 155];
         let bounds = |context| {
-            let (rates, iu) = of_people(0.0, context, &shown, &frames);
+            let (rates, iu) = job_of(context, &shown, &frames);
             rates.frames(&iu, 30.0, Strength::GENERAL)
         };
         let (min, max) = bounds(POLISHING).unwrap_or_default();
@@ -481,7 +474,7 @@ mod tests {
         let shown = [Measures::default(); 7];
         let at_meter = Context([1, 6, 6, 3]);
         let bounds = |frames: [u32; 7]| {
-            let (rates, iu) = of_people(0.0, at_meter, &shown, &frames);
+            let (rates, iu) = job_of(at_meter, &shown, &frames);
             rates.frames(&iu, 30.0, Strength::GENERAL).unwrap_or_default()
         };
         // A second, less or more. On its way in and out the part is at the meter for a third of a second.

@@ -11,9 +11,6 @@ use crate::recording::person_of;
 use crate::run::{Iu, Run};
 use crate::statistics::mean;
 
-/// Contacts begin and end by distance, so for as long the parts are on their way in and out of one, in seconds.
-const BORDER_S: f64 = 0.2;
-
 /// The variance of the logarithm of the pace and of the length of strokes. One person differs by 0.08 from run to run, and people by 0.14.
 pub(super) const IN_GENERAL: f64 = 0.08 * 0.08 + 0.14 * 0.14;
 
@@ -48,8 +45,9 @@ pub(super) fn beyond_border(frames: u32, border: f64) -> f64 {
     (f64::from(frames) - border).max(1.0)
 }
 
+/// Contacts begin and end by distance: for 0.2 s the parts are on their way in and out of one.
 pub(super) fn border_frames(rate_hz: f32) -> f64 {
-    BORDER_S * f64::from(rate_hz)
+    0.2 * f64::from(rate_hz)
 }
 
 /// The logarithm of how much more probable these deviations are for one person than for a different one in each run.
