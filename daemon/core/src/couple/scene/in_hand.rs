@@ -147,9 +147,8 @@ impl Scene {
 
     /// Whether an object has gone farther than a contact is long when a change would be believed: drift does not take it there.
     fn goes_away(&self, object: usize, age: usize) -> bool {
-        let seen = |age: usize| self.seen_object(object, age);
-        let way = seen(age).zip(self.newest_known(age, seen));
-        way.is_some_and(|(from, (_, to))| distance(to, from) > self.hand_contact(object).on_m)
+        let moved = self.moved(age, |age| self.seen_object(object, age));
+        moved.is_some_and(|(_, path_m)| path_m > self.hand_contact(object).on_m)
     }
 
     /// Whether a hand that has led an object may still hold it: it has not been seen to move along it or away from it.
@@ -241,13 +240,11 @@ impl Scene {
 
     /// The age of the window's last known frame, and how far two objects have moved relative to each other until then, in metres.
     fn path_of_objects(&self, i: usize, j: usize, age: usize) -> Option<(usize, f32)> {
-        let apart = |age: usize| {
+        self.moved(age, |age| {
             let [one, other] = [i, j].map(|object| self.objects[object].poses.ago(age));
             let is_known = one.source.is_known() && other.source.is_known();
             is_known.then(|| subtract(one.position, other.position))
-        };
-        let (from, (newest, to)) = apart(age).zip(self.newest_known(age, apart))?;
-        Some((newest, distance(to, from)))
+        })
     }
 
     pub(super) fn are_seen(&self, i: usize, j: usize, age: usize) -> bool {
@@ -297,9 +294,8 @@ impl Scene {
             let is_known = hand.source == Source::Seen && object.source.is_known();
             is_known.then(|| subtract(hand.middle_knuckle, object.position))
         };
-        let moved = apart(age).zip(self.newest_known(age, apart));
         self.kinematics(age, apart).is_some_and(|motion| self.quantiser.is_at_rest(&motion))
-            && moved.is_some_and(|(from, (_, to))| distance(to, from) <= self.rest_m())
+            && self.moved(age, apart).is_some_and(|(_, path_m)| path_m <= self.rest_m())
     }
 
     /// Whether a displacement of `path_m` from one frame to another is rest. A time shorter than most of the window does not show it.
@@ -385,13 +381,15 @@ impl Scene {
     }
 
     /// What is known in the newest frame up to `persist_frames` after this one, after the age of that frame.
-    pub(super) fn newest_known<T>(
-        &self,
-        age: usize,
-        known: impl Fn(usize) -> Option<T>,
-    ) -> Option<(usize, T)> {
+    fn newest_known<T>(&self, age: usize, known: impl Fn(usize) -> Option<T>) -> Option<(usize, T)> {
         let newest = age.saturating_sub(self.method.persist_frames.into());
         (newest..age).find_map(|newest| Some((newest, known(newest)?)))
+    }
+
+    /// The age of the window's last known frame, and how far from here a place is then, in metres.
+    pub(super) fn moved(&self, age: usize, at: impl Fn(usize) -> Option<Point>) -> Option<(usize, f32)> {
+        let (from, (newest, to)) = at(age).zip(self.newest_known(age, at))?;
+        Some((newest, distance(to, from)))
     }
 
     /// Where the finger tips are from the object, in metres: in the bench frame and in that of the object. `None` where either is not known.

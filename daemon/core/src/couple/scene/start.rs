@@ -4,7 +4,6 @@
 //! done.
 
 use super::Scene;
-use crate::couple::geometry::distance;
 use crate::couple::interaction::Interaction;
 use crate::couple::poses::Source;
 
@@ -31,8 +30,7 @@ impl Scene {
 
     /// Whether an object that is seen stays where it is for most of the time in which a change would be believed.
     fn lies(&self, object: usize, age: usize) -> bool {
-        let seen = |age: usize| self.seen_object(object, age);
-        let moved = seen(age).zip(self.newest_known(age, seen));
-        moved.is_some_and(|(from, (newest, to))| self.shows_rest(age, newest, distance(to, from)))
+        let moved = self.moved(age, |age| self.seen_object(object, age));
+        moved.is_some_and(|(newest, path_m)| self.shows_rest(age, newest, path_m))
     }
 }
