@@ -60,8 +60,10 @@ impl IuObservation {
         } else if !self.has(IuFlags::ENDED) {
             return None;
         }
-        let unseen_reversals = if may_be_hidden { hidden_reversals } else { 0 };
-        let possible = Possible { share, hidden_m, may_be_hidden, reversals: unseen_reversals };
+        let may_reverse = |count: u32| if may_be_hidden { count } else { 0 };
+        // Where nothing says how large errors are, each end of a stroke may be wrong.
+        let cut_strokes = may_reverse(if drift_m > 0.0 { self.measures.cut_strokes } else { reversals });
+        let possible = Possible { share, hidden_m, cut_strokes, reversals: may_reverse(hidden_reversals) };
         let elsewhere = first(&self.elsewhere_broken(&iu.measures, possible));
         match (too_short(), elsewhere) {
             // Strokes that are small or go across are counted badly.
@@ -88,20 +90,14 @@ impl IuObservation {
     }
 
     /// The minimum and maximum of the mean length of a stroke. Each reversal that was not seen may have parted the strokes that were, or let one begin
-    /// earlier. All of them are a part of the path. A stroke may have been longer on both sides of where it reversed, if the frame that would show it is
-    /// missing, or if nothing says how large errors are.
+    /// earlier. All of them are a part of the path. Strokes may have been longer on both sides of a reversal.
     fn possible_stroke_m(&self, possible: Possible) -> [f32; 2] {
-        let Measures { reversals, stroke_m, path_m, cut_strokes, is_error_known, .. } = self.measures;
+        let Measures { reversals, stroke_m, path_m, .. } = self.measures;
         let Some(stroke_m) = stroke_m else { return [0.0, f32::INFINITY] };
         let strokes = (reversals - 1) as f32;
         let sum_m = stroke_m * strokes;
         let seen_m = if possible.reversals > 0 { path_m.max(sum_m) } else { sum_m };
-        let cut = match (possible.may_be_hidden, is_error_known) {
-            (true, true) => cut_strokes,
-            (true, false) => reversals,
-            (false, _) => 0,
-        };
-        let most_m = seen_m * (1.0 + possible.share) + (2 * cut) as f32 * MOVED_M;
+        let most_m = seen_m * (1.0 + possible.share) + (ENDS * possible.cut_strokes) as f32 * MOVED_M;
         [sum_m / (strokes + possible.reversals as f32), most_m / strokes]
     }
 
@@ -138,8 +134,8 @@ struct Possible {
     share: f32,
     /// Over how long a way, in metres, if it was as fast as anything shown.
     hidden_m: f32,
-    /// It is asked what was hidden.
-    may_be_hidden: bool,
+    /// At how many reversals the strokes may have been longer.
+    cut_strokes: u32,
     /// How often the motion reversed in it.
     reversals: u32,
 }
