@@ -55,6 +55,17 @@ impl Measures {
     }
 }
 
+/// Which frames are missing since just before the position that is farthest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+enum Gap {
+    #[default]
+    None,
+    /// Only others than the one just before that position, and the one just behind it.
+    Later,
+    /// One of these two.
+    Beside,
+}
+
 /// Measures an IU frame by frame, in fixed memory.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Meter {
@@ -77,11 +88,10 @@ pub(super) struct Meter {
     /// Where the motion last reversed, and the position since then that is farthest from there.
     reversed: Point,
     farthest: Point,
-    /// How far the motion has come back from the farthest position so far, and whether a frame was missing since just before that.
+    /// How far the motion has come back from the farthest position so far, and what was missing since just before that.
     returned_m: f32,
-    has_gap: bool,
-    /// Whether the frame just before or behind the farthest position is missing, and at how many reversals it was.
-    is_farthest_cut: bool,
+    gap: Gap,
+    /// At how many reversals a frame beside the farthest position was missing.
     cut_strokes: u32,
     reversals: u32,
     /// The sum of the lengths of whole strokes.
@@ -149,8 +159,9 @@ impl Meter {
 
     /// The motion has reversed at the farthest position once it has come back from there.
     fn turn(&mut self, position: Point, is_behind_gap: bool) {
-        self.has_gap |= is_behind_gap;
-        self.is_farthest_cut |= is_behind_gap && self.returned_m == 0.0;
+        if is_behind_gap {
+            self.gap = if self.returned_m == 0.0 { Gap::Beside } else { self.gap.max(Gap::Later) };
+        }
         let length_m = distance(self.reversed, self.farthest);
         if distance(self.reversed, position) > length_m {
             // To and fro.
@@ -160,24 +171,27 @@ impl Meter {
             // What comes before the first reversal is the way to the first stroke.
             self.strokes_m += if self.reversals > 0 { length_m } else { 0.0 };
             self.reversals = self.reversals.saturating_add(1);
-            self.cut_strokes = self.cut_strokes.saturating_add(self.is_farthest_cut.into());
+            self.cut_strokes = self.cut_strokes.saturating_add((self.gap == Gap::Beside).into());
             (self.reversed, self.farthest) = (self.farthest, position);
         } else {
             self.returned_m = self.returned_m.max(distance(self.farthest, position));
             return;
         }
-        (self.returned_m, self.has_gap, self.is_farthest_cut) = (0.0, is_behind_gap, is_behind_gap);
+        self.returned_m = 0.0;
+        self.gap = if is_behind_gap { Gap::Beside } else { Gap::None };
     }
 
     /// Whether the motion may have come back too little to count only because the frame in which it was farthest is missing.
     fn may_have_reversed(&self) -> bool {
-        self.has_gap && self.returned_m > self.moved_m() / 2.0
+        self.gap != Gap::None && self.returned_m > self.moved_m() / 2.0
     }
 
     /// The measures so far, with those of the way of which the IU is the newest part.
     pub(super) fn measures(&self, way: &Way) -> Measures {
         let mut ended = *self;
-        ended.has_gap |= self.unknown > 0;
+        if self.unknown > 0 {
+            ended.gap = ended.gap.max(Gap::Later);
+        }
         ended.end_gap();
         let per_path = |sum: f32| if self.path_m > 0.0 { sum / self.path_m } else { 0.0 };
         let (frames, known) = (self.frames.max(1) as f32, f64::from(self.known.max(1)));
