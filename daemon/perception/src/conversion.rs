@@ -4,7 +4,7 @@
 use crate::error::{PerceptionError, while_doing};
 use crate::image::{ImageView, with_plane};
 use crate::pixel_format::PixelFormat;
-use opencv::core::{self, Mat, Rect};
+use opencv::core::{self, Mat, Rect, ToOutputArray, Vec3b};
 use opencv::{imgproc, prelude::*};
 
 /// Black and white of Y (ITU-R BT.601).
@@ -30,7 +30,7 @@ impl ImageView<'_> {
     }
 
     /// Blue, green and red of a part of the picture, whose edges lie between pixels that share no colour.
-    pub(crate) fn write_bgr(&self, part: Rect, to: &mut Mat) -> opencv::Result<()> {
+    pub(crate) fn write_bgr(&self, part: Rect, to: &mut impl ToOutputArray) -> opencv::Result<()> {
         self.with_pixels(|pixels| {
             let pixels = Mat::roi(pixels, part)?;
             match self.format() {
@@ -54,10 +54,22 @@ impl ImageView<'_> {
     /// # Errors
     /// [`PerceptionError::OpenCv`].
     pub fn bgr(&self) -> Result<Vec<u8>, PerceptionError> {
-        let mut picture = Mat::default();
+        let mut pixels = Vec::new();
+        self.write_packed_bgr(&mut pixels)?;
+        Ok(pixels)
+    }
+
+    /// As [`ImageView::bgr`], into memory that may have held another picture.
+    ///
+    /// # Errors
+    /// [`PerceptionError::OpenCv`].
+    pub fn write_packed_bgr(&self, pixels: &mut Vec<u8>) -> Result<(), PerceptionError> {
         let whole = Rect::new(0, 0, self.width() as i32, self.height() as i32);
-        self.write_bgr(whole, &mut picture).map_err(while_doing("converting a picture"))?;
-        Ok(picture.data_bytes().map_err(while_doing("reading a picture"))?.to_vec())
+        pixels.resize(3 * self.width() * self.height(), 0);
+        Mat::new_rows_cols_with_bytes_mut::<Vec3b>(whole.height, whole.width, pixels)
+            // What it writes has this size and this type: OpenCV makes no memory of its own for it.
+            .and_then(|mut picture| self.write_bgr(whole, &mut picture))
+            .map_err(while_doing("converting a picture"))
     }
 
     /// Red, green and blue of a pixel.
