@@ -447,7 +447,7 @@ mod tests {
     const PATIENCE: Duration = Duration::from_secs(30);
 
     fn budget() -> Budget {
-        Budget { bytes: u64::MAX, age: Duration::from_secs(86_400), journal: None }
+        Budget { bytes: u64::MAX, age: Duration::MAX, journal: None }
     }
 
     fn entry(bytes: usize) -> Entry {

@@ -6,7 +6,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
+use andon_ipc::UtcTime;
 use jiff::Timestamp;
+use jiff::civil::DateTime;
+use jiff::tz::TimeZone;
 use rustix::fs::{FlockOperation, flock, statvfs};
 use shm_schemas::MessageId;
 
@@ -58,12 +61,9 @@ pub fn recordings(folder: &Path) -> io::Result<Vec<Recording>> {
     Ok(files(folder)?.into_iter().map(with_index).collect())
 }
 
-/// What cannot be read shows nothing, and was made when its file was written last; who opens it by its name is told why it cannot be.
+/// What cannot be read shows nothing, and was made when its name says; who opens it by its name is told why it cannot be.
 fn of_unread(recording: &Path) -> Index {
-    let changed = fs::metadata(recording).and_then(|file| file.modified()).ok();
-    let since_1970 = changed.and_then(|changed| changed.duration_since(SystemTime::UNIX_EPOCH).ok());
-    // 2^64 ns are 584 years.
-    let utc_ns = since_1970.unwrap_or_default().as_nanos() as u64;
+    let utc_ns = made_utc_ns(recording).unwrap_or_default();
     Index { began_utc_ns: utc_ns, ended_utc_ns: utc_ns, verdicts: Vec::new() }
 }
 
@@ -145,10 +145,33 @@ fn number(recording: &Path) -> u32 {
     name.get(..DIGITS).and_then(|digits| digits.parse().ok()).unwrap_or_default()
 }
 
-/// A time as a part of a name, to the millisecond.
+/// The form of the time in a name, to the millisecond.
+const TIME: &str = "%Y%m%dT%H%M%S.%3fZ";
+
+/// A time as a part of a name.
 fn stamp(utc_ns: u64) -> String {
     Timestamp::from_nanosecond(i128::from(utc_ns))
-        .map_or_else(|_| utc_ns.to_string(), |time| time.strftime("%Y%m%dT%H%M%S.%3fZ").to_string())
+        .map_or_else(|_| utc_ns.to_string(), |time| time.strftime(TIME).to_string())
+}
+
+/// The time in the name of a recording: when it began.
+fn named_utc_ns(recording: &Path) -> Option<u64> {
+    let name = recording.file_name()?.to_str()?;
+    let time = DateTime::strptime(TIME, name.get(DIGITS + 1..FORM.len())?).ok()?;
+    let utc = time.to_zoned(TimeZone::UTC).ok()?.timestamp();
+    u64::try_from(utc.as_nanosecond()).ok()
+}
+
+/// When what a recording shows was recorded: what its index says, or its name. A copy, or a backup that was put back, may have a file that is
+/// newer: its time counts only where nothing else is known. The recording itself is not read for it.
+fn made_utc_ns(recording: &Path) -> io::Result<u64> {
+    let ended = Index::beside(recording).map(|index| index.ended_utc_ns).filter(|ended| *ended > 0);
+    if let Some(utc_ns) = ended.or_else(|| named_utc_ns(recording)) {
+        return Ok(utc_ns);
+    }
+    let since_1970 = fs::metadata(recording)?.modified()?.duration_since(SystemTime::UNIX_EPOCH);
+    // 2^64 ns are 584 years.
+    Ok(since_1970.unwrap_or_default().as_nanos() as u64)
 }
 
 /// What has become of a recording that was to be removed.
@@ -237,12 +260,13 @@ pub fn enforce(folder: &Path, budget: &Budget) -> io::Result<Enforced> {
         // One that stays is tried again the next time.
         let _ = remove_file(&path);
     }
-    let oldest = SystemTime::now().checked_sub(budget.age);
+    let age_ns = u64::try_from(budget.age.as_nanos()).unwrap_or(u64::MAX);
+    let oldest_ns = UtcTime::now().nanoseconds().saturating_sub(age_ns);
     let mut kept = Vec::new();
     for Group { recording, beside } in groups(folder)?.into_values() {
         let Some(path) = recording else { continue };
-        let Some((bytes, changed)) = size_and_age(&path, &beside)? else { continue };
-        kept.push((path, bytes, oldest.is_some_and(|oldest| changed < oldest)));
+        let Some((bytes, made_ns)) = size_and_time(&path, &beside)? else { continue };
+        kept.push((path, bytes, made_ns < oldest_ns));
     }
     let mut total: u64 = kept.iter().map(|(_, bytes, _)| bytes).sum();
     let mut done = Enforced::default();
@@ -259,12 +283,12 @@ pub fn enforce(folder: &Path, budget: &Budget) -> io::Result<Enforced> {
     Ok(done)
 }
 
-/// The bytes of a recording and of everything beside it, and when it was written last; `None` where somebody has removed it meanwhile.
-fn size_and_age(recording: &Path, beside: &[PathBuf]) -> io::Result<Option<(u64, SystemTime)>> {
+/// The bytes of a recording and of everything beside it, and when it was recorded; `None` where somebody has removed it meanwhile.
+fn size_and_time(recording: &Path, beside: &[PathBuf]) -> io::Result<Option<(u64, u64)>> {
     let size = |path: &PathBuf| fs::metadata(path).map(|file| file.len());
     let found = fs::metadata(recording).and_then(|file| {
         let others: u64 = beside.iter().map(size).sum::<io::Result<_>>()?;
-        Ok((file.len() + others, file.modified()?))
+        Ok((file.len() + others, made_utc_ns(recording)?))
     });
     match found {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
@@ -307,7 +331,7 @@ mod tests {
     use super::*;
     use crate::index::IndexedVerdict;
 
-    const GENEROUS: Budget = Budget { bytes: u64::MAX, age: Duration::from_secs(86_400), journal: None };
+    const GENEROUS: Budget = Budget { bytes: u64::MAX, age: Duration::MAX, journal: None };
 
     fn folder(names: &[&str]) -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
@@ -411,15 +435,22 @@ mod tests {
         assert_eq!(names(folder.path()), [first]);
     }
 
+    /// Makes the file of a recording look as if it had been written at another time, as a copy or a repair does.
+    fn write_at(path: &Path, seconds: u64) {
+        let written = SystemTime::UNIX_EPOCH + Duration::from_secs(seconds);
+        fs::File::options().write(true).open(path).unwrap().set_modified(written).unwrap();
+    }
+
     #[test]
-    fn what_cannot_be_read_was_made_when_its_file_was_written() {
-        let folder = folder_of([(1, "mcap")], &[]);
-        let [path] = files(folder.path()).unwrap().try_into().unwrap();
-        let written = SystemTime::UNIX_EPOCH + Duration::from_secs(1_795_850_914);
-        fs::File::options().write(true).open(&path).unwrap().set_modified(written).unwrap();
-        let [found] = recordings(folder.path()).unwrap().try_into().unwrap();
-        assert_eq!(found.index.ended_utc_ns, 1_795_850_914_000_000_000);
-        assert!(found.index.verdicts.is_empty());
+    fn what_cannot_be_read_was_made_when_its_name_says_or_else_when_its_file_was_written() {
+        const WRITTEN: u64 = 1_800_000_000;
+        let no_day = "00000002-20261340T072834.000Z.mcap";
+        let folder = folder(&["00000001-20261128T072834.125Z.mcap", no_day]);
+        files(folder.path()).unwrap().iter().for_each(|path| write_at(path, WRITTEN));
+        let found = recordings(folder.path()).unwrap();
+        let made: Vec<u64> = found.iter().map(|recording| recording.index.ended_utc_ns).collect();
+        assert_eq!(made, [1_795_850_914_125_000_000, WRITTEN * 1_000_000_000]);
+        assert!(found[0].index.verdicts.is_empty());
     }
 
     #[test]
@@ -432,12 +463,22 @@ mod tests {
     }
 
     #[test]
-    fn what_is_too_old_goes_however_much_room_there_is() {
-        let folder = folder_of([(1, "mcap"), (2, "mcap")], &[]);
-        let budget = Budget { age: Duration::ZERO, ..GENEROUS };
-        std::thread::sleep(Duration::from_millis(20));
-        assert_eq!(enforce(folder.path(), &budget).unwrap().removed, 2);
-        assert!(names(folder.path()).is_empty());
+    fn what_was_recorded_too_long_ago_goes_whenever_its_file_was_written() {
+        const DAY: u64 = 86_400;
+        let now = UtcTime::now().nanoseconds() / 1_000_000_000;
+        let folder = folder(&[]);
+        // The first was copied, the second lasted until now, and the third has the time of another machine.
+        let made = [(5, 0), (5, 0), (0, 5)].map(|(began, written)| {
+            let path = new_file(folder.path(), (now - began * DAY) * 1_000_000_000).unwrap();
+            fs::write(&path, [0; 1000]).unwrap();
+            write_at(&path, now - written * DAY);
+            path
+        });
+        let index = Index { ended_utc_ns: now * 1_000_000_000, ..Index::default() };
+        index.write_beside(&made[1]).unwrap();
+        let budget = Budget { age: Duration::from_secs(3 * DAY), ..GENEROUS };
+        assert_eq!(enforce(folder.path(), &budget).unwrap().removed, 1);
+        assert_eq!(files(folder.path()).unwrap(), made[1..]);
     }
 
     #[test]

@@ -208,7 +208,7 @@ static AHEAD_S: AtomicU64 = AtomicU64::new(0);
 #[test]
 fn a_clock_that_is_set_back_costs_no_recording_and_the_times_in_each_go_on_as_they_began() {
     let home = tempfile::tempdir().unwrap();
-    let budget = Budget { bytes: u64::MAX, age: Duration::from_secs(86_400), journal: None };
+    let budget = Budget { bytes: u64::MAX, age: Duration::MAX, journal: None };
     let disk = Disk::start(home.path().into(), budget, 1 << 20).unwrap();
     let offset_ns = || i128::from(AHEAD_S.load(Ordering::Relaxed) * SECOND);
     let record = Record { mode: RecordMode::Always, ..Record::default() };
