@@ -2,10 +2,13 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_ipc::Channel;
+use andon_record::picture::{Decoded, encode};
+use andon_record::viewer::CompressedImage;
 use andon_record::{Attachment, Entry, RecordingWriter, Topic};
 use andond::blackbox::again::{Recorded, judge};
-use andond::blackbox::{BlackboxError, Plan, Run, only_piece, piece_of};
+use andond::blackbox::{BlackboxError, Plan, Run, first_picture, only_piece, piece_of};
 use oorandom::Rand64;
+use prost::Message as _;
 use shm_schemas::{
     Command, CommandKind, CommandSource, Couples, Detections, Judging, Layout, MessageId, Stamp, Verdict,
     VerdictLevel, bytes_of,
@@ -136,12 +139,8 @@ fn replay(path: &Path) -> Result<u64, BlackboxError> {
     Ok(frames)
 }
 
-#[test]
-fn whatever_is_in_a_recording_its_replay_ends_with_verdicts_or_with_a_reason() {
-    let drawn = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_nanos() as u64;
-    let seed = number("ANDON_SEED", drawn % 100_000);
-    println!("ANDON_SEED={seed}");
-    let mut draw = Rand64::new(seed.into());
+/// What a recording of the shipped station carries, and the hash of its job.
+fn station() -> ([Attachment; 2], u64) {
     let read = |path: &str| std::fs::read(root().join(path)).unwrap();
     let job = read("config/jobs/polish-and-measure.toml");
     let model_hash = andon_learn::job_file::JobFile::parse("job.toml", &job).unwrap().model_hash();
@@ -151,6 +150,16 @@ fn whatever_is_in_a_recording_its_replay_ends_with_verdicts_or_with_a_reason() {
     let configuration = format!("[station]\nname = \"line\"\n\n[[objects]]{objects}");
     let files = [("configuration.toml", configuration.into_bytes()), ("job-0.toml", job)]
         .map(|(name, data)| Attachment { name: name.into(), data: data.into() });
+    (files, model_hash)
+}
+
+#[test]
+fn whatever_is_in_a_recording_its_replay_ends_with_verdicts_or_with_a_reason() {
+    let drawn = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_nanos() as u64;
+    let seed = number("ANDON_SEED", drawn % 100_000);
+    println!("ANDON_SEED={seed}");
+    let mut draw = Rand64::new(seed.into());
+    let (files, model_hash) = station();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let mut judged = 0;
@@ -166,4 +175,39 @@ fn whatever_is_in_a_recording_its_replay_ends_with_verdicts_or_with_a_reason() {
         }
     }
     assert!(judged > 0, "none of them was judged");
+}
+
+/// A picture of a few bytes that says how large it is.
+fn picture(width: u16, height: u16) -> Vec<u8> {
+    let small = Decoded { width: 16, height: 16, pixels: vec![0; 16 * 16 * 3] };
+    let mut jpeg = encode(&small, 80).unwrap();
+    let frame = jpeg.windows(2).position(|marker| marker == [0xff, 0xc0]).unwrap();
+    jpeg[frame + 5..frame + 7].copy_from_slice(&height.to_be_bytes());
+    jpeg[frame + 7..frame + 9].copy_from_slice(&width.to_be_bytes());
+    CompressedImage { data: jpeg, format: "jpeg".into(), ..CompressedImage::default() }.encode_to_vec()
+}
+
+#[test]
+fn a_picture_of_gigapixels_is_refused_by_its_size_wherever_it_lies() {
+    let (files, model_hash) = station();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    for huge in [0, 1] {
+        let mut draw = Rand64::new(1);
+        let mut entries = entries(&mut draw, model_hash);
+        // Each comes with the detections of its time.
+        let times = [PERIOD_NS, 50 * PERIOD_NS];
+        for (number, time_ns) in times.into_iter().enumerate().rev() {
+            let data = if number == huge { picture(30_000, 29_000) } else { picture(16, 16) }.into();
+            let at = entries.iter().position(|entry| entry.time_ns == time_ns).unwrap();
+            entries.insert(at, Entry { topic: Topic::Picture, time_ns, sent_ns: time_ns, data });
+        }
+        let mut writer = RecordingWriter::new(File::create(&path).unwrap(), 0).unwrap();
+        files.iter().for_each(|file| writer.attach(file, 1).unwrap());
+        entries.iter().for_each(|entry| writer.write(entry).unwrap());
+        writer.finish().unwrap();
+        let error = replay(&path).unwrap_err().to_string();
+        assert!(error.contains("run.mcap") && error.contains("30000 x 29000 pixels"), "{error}");
+        assert_eq!(first_picture(&path).is_err(), huge == 0);
+    }
 }

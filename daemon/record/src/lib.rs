@@ -14,6 +14,7 @@
 
 pub mod disk;
 pub mod index;
+mod jpeg;
 pub mod picture;
 pub mod reader;
 pub mod recorder;

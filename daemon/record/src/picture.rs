@@ -13,6 +13,9 @@ use turbojpeg::{Image, Subsamp};
 use crate::viewer::CompressedImage;
 use crate::writer::Entry;
 
+/// Columns and rows of the largest picture: a frame has no more.
+const LONGEST_SIDE: u32 = 8192;
+
 /// Why a frame has no picture.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
@@ -22,6 +25,19 @@ pub enum PictureError {
     /// It cannot be masked or decoded.
     #[error("a picture cannot be made: {0}")]
     OpenCv(#[from] opencv::Error),
+    /// What should be one is none.
+    #[error("this is no JPEG picture")]
+    NoJpeg,
+    /// It would take more memory than any picture of a recorder.
+    #[error(
+        "it says that it has {width} x {height} pixels, and no recorder writes one of more than {LONGEST_SIDE} x {LONGEST_SIDE}"
+    )]
+    TooLarge {
+        /// The columns that it promises.
+        width: u32,
+        /// The rows that it promises.
+        height: u32,
+    },
     /// It cannot be encoded.
     #[error("a picture cannot be encoded: {0}")]
     Jpeg(#[from] turbojpeg::Error),
@@ -189,18 +205,24 @@ fn fill(picture: &mut Mat, polygon: &Vector<Point>, colour: Scalar) -> opencv::R
     imgproc::fill_poly_def(picture, &alone, colour)
 }
 
-/// The picture in a message of the topic [`crate::Topic::Picture`]; `None` where it holds none.
-#[must_use]
-pub fn picture_in(message: &Entry) -> Option<Decoded> {
-    let image = CompressedImage::decode(message.data.as_ref()).ok()?;
-    decode(&image.data).ok()
+/// The picture in a message of the topic [`crate::Topic::Picture`].
+///
+/// # Errors
+/// As [`decode`].
+pub fn picture_in(message: &Entry) -> Result<Decoded, PictureError> {
+    let image = CompressedImage::decode(message.data.as_ref()).map_err(|_| PictureError::NoJpeg)?;
+    decode(&image.data)
 }
 
 /// A picture out of a recording.
 ///
 /// # Errors
-/// What OpenCV says, as of bytes that are no picture.
+/// Bytes that are no JPEG, and one that is too large, before anything of it is decoded; then what OpenCV says.
 pub fn decode(jpeg: &[u8]) -> Result<Decoded, PictureError> {
+    let [width, height] = crate::jpeg::size(jpeg).ok_or(PictureError::NoJpeg)?;
+    if width.max(height) > LONGEST_SIDE {
+        return Err(PictureError::TooLarge { width, height });
+    }
     let decoded = imgcodecs::imdecode(&Vector::from_slice(jpeg), imgcodecs::IMREAD_COLOR)?;
     // Neither is negative, and what cannot be decoded has none.
     let (width, height) = (decoded.cols().max(0) as u32, decoded.rows().max(0) as u32);
@@ -365,6 +387,6 @@ mod tests {
     fn a_frame_that_promises_more_than_it_has_is_refused() {
         let (header, bytes) = frame(|_, _| [0; 3]);
         assert!(PictureMaker::new(&Record::default()).jpeg(&header, &bytes[1..], None).is_err());
-        assert!(decode(b"no picture").is_err() || decode(b"no picture").unwrap().width == 0);
+        assert!(matches!(decode(b"no picture"), Err(PictureError::NoJpeg)));
     }
 }

@@ -405,7 +405,7 @@ impl<N: Narrator> Recording<N> {
 
     fn still(&mut self, verdict: &Verdict) -> Option<Vec<u8>> {
         let entry = self.recorder.picture_at(verdict.stamp.captured_ns)?;
-        let (time_ns, picture) = (entry.time_ns, picture_in(entry)?);
+        let (time_ns, picture) = (entry.time_ns, picture_in(entry).ok()?);
         let seen = self.recent.iter().find(|seen| seen.stamp.captured_ns == time_ns);
         self.narrator.still(picture, seen, verdict)
     }

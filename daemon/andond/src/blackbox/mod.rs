@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 
 use andon_host::config::{Config, Faults};
 use andon_learn::job_file::{JobFile, JobFileError};
+use andon_record::picture::PictureError;
 use andon_record::{End, Item, ReadError, RecordingReader, Topic};
 use shm_schemas::{Layout, from_bytes};
 
@@ -83,6 +84,14 @@ pub enum BlackboxError {
         path: PathBuf,
         /// How many.
         count: usize,
+    },
+    /// A picture in it would take more memory than any picture of a recorder.
+    #[error("{}: a picture in it is refused: {source}; give the recording as its recorder wrote it", path.display())]
+    Picture {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        source: PictureError,
     },
     /// The method refuses its constants or the objects.
     #[error("{}: the method cannot work with what is in it: {why}", path.display())]

@@ -10,9 +10,9 @@ use andon_host::config::Config;
 use andon_host::video::pipe::PictureFormat;
 use andon_ipc::Channel;
 use andon_learn::recording::{Header, Landmarks};
-use andon_record::picture::{Decoded, picture_in};
+use andon_record::picture::{Decoded, PictureError, picture_in};
 use andon_record::{End, Entry, Item, RecordingReader, Topic};
-use shm_schemas::{Detections, flag};
+use shm_schemas::{Detections, MessageId, flag};
 
 use super::{BlackboxError, Piece, message, only_piece, station_of};
 use crate::recorder;
@@ -85,7 +85,7 @@ impl Frames {
             let of = Topic::Raw(Channel::Detections);
             let Some(detections) = message::<Detections>(entry.topic, of, &entry.data) else { continue };
             self.seen = detections;
-            self.show(entry.time_ns);
+            self.show(entry.time_ns)?;
             return Ok(Some(&self.seen));
         }
         self.end = self.reader.end();
@@ -109,7 +109,7 @@ impl Frames {
     }
 
     /// Shows the picture of this time.
-    fn show(&mut self, time_ns: u64) {
+    fn show(&mut self, time_ns: u64) -> Result<(), BlackboxError> {
         self.shown = None;
         while let Some(oldest) = self.pictures.front()
             && oldest.time_ns <= time_ns
@@ -118,8 +118,14 @@ impl Frames {
             let Some(picture) = self.pictures.pop_front().filter(|picture| picture.time_ns == time_ns) else {
                 continue;
             };
-            self.shown = picture_in(&picture);
+            self.shown = decoded(&self.path, &picture)?;
         }
+        Ok(())
+    }
+
+    /// The newest detections.
+    pub fn newest(&self) -> MessageId {
+        self.seen.stamp.id()
     }
 
     /// The picture of the newest frame, where there is one.
@@ -239,6 +245,17 @@ fn header(config: &Config) -> Header {
     Header { hands, landmarks: Landmarks::All, ..recorder::header(config) }
 }
 
+/// A picture of a recording; `None` where it is damaged. One that is too large is not tried.
+fn decoded(path: &Path, message: &Entry) -> Result<Option<Decoded>, BlackboxError> {
+    match picture_in(message) {
+        Ok(picture) => Ok(Some(picture).filter(|picture| picture.width > 0)),
+        Err(source @ PictureError::TooLarge { .. }) => {
+            Err(BlackboxError::Picture { path: path.into(), source })
+        }
+        Err(_) => Ok(None),
+    }
+}
+
 /// The size of the first picture of a recording.
 ///
 /// # Errors
@@ -249,8 +266,7 @@ pub fn first_picture(path: &Path) -> Result<Option<PictureFormat>, BlackboxError
         if let Item::Entry(entry) = item
             && entry.topic == Topic::Picture
         {
-            let picture = picture_in(&entry).filter(|picture| picture.width > 0);
-            return Ok(picture.map(|picture| PictureFormat {
+            return Ok(decoded(path, &entry)?.map(|picture| PictureFormat {
                 width: picture.width,
                 height: picture.height,
                 rate_hz: 0.0,
