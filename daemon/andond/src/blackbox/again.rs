@@ -21,6 +21,8 @@ use crate::wire::command::Command;
 pub struct Step<'a> {
     /// The file that it is in.
     pub recording: &'a Path,
+    /// The detections in it.
+    pub frame: MessageId,
     /// The job in force, and its hash.
     pub job: (&'a JobFile, u64),
     /// The newest couples.
@@ -200,7 +202,8 @@ impl<'p> Line<'p> {
         show: &mut impl FnMut(Step<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         let (couples, view) = (self.newest.as_ref(), self.frames.shown());
-        show(Step { recording: self.frames.path(), job, couples, verdicts, view })?;
+        let (recording, frame) = (self.frames.path(), self.frames.newest());
+        show(Step { recording, frame, job, couples, verdicts, view })?;
         verdicts.clear();
         Ok(())
     }

@@ -1,15 +1,17 @@
 //! `andond whatif`: what another job would have said of what was recorded, beside what was said.
 //!
 //! Both are judged anew from what was detected, with the commands where they came. So the two columns differ only where the jobs do, even for a clip
-//! that begins in the middle of a piece.
+//! that begins in the middle of a piece. What several clips show is counted in the oldest of them, which has what came before it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use andon_core::verdict::{Level, Outcome, Verdict};
 use andon_learn::job_file::JobFile;
 use jiff::Timestamp;
+use shm_schemas::MessageId;
 
 use super::clip::recordings;
 use super::since::since_ns;
@@ -42,17 +44,22 @@ pub fn run(arguments: &Whatif) -> Result<u8, ToolError> {
     Ok(table.exit_code())
 }
 
-/// Judges recordings by the jobs that were in force, and by another one.
-fn compare(paths: &[PathBuf], plan: &Plan, job: (&Path, &JobFile)) -> Result<[ByFile; 2], ToolError> {
+/// Judges recordings by the jobs that were in force, and by another one. What was counted `before` is not counted again.
+fn compare(
+    paths: &[PathBuf],
+    plan: &Plan,
+    job: (&Path, &JobFile),
+    before: &Frames,
+) -> Result<[Counted; 2], ToolError> {
     let (path, file) = job;
     let misfit = |misfit| ToolError::Misfit { path: path.into(), misfit };
     compatibility::station(file, &plan.station.config).map_err(misfit)?;
     let was = Recorded { paths, plan, instead: None, wants_pictures: false };
     let would_be = Recorded { instead: Some(file), ..was };
     std::thread::scope(|scope| {
-        let old = scope.spawn(|| count(was, &|| ()));
+        let old = scope.spawn(|| count(was, before, &|| ()));
         let bar = progress(None, paths.first().map_or(path, PathBuf::as_path));
-        let new = count(would_be, &|| bar.inc(1));
+        let new = count(would_be, before, &|| bar.inc(1));
         bar.finish_and_clear();
         // A thread that panics ends the process.
         let old = old.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
@@ -60,11 +67,44 @@ fn compare(paths: &[PathBuf], plan: &Plan, job: (&Path, &JobFile)) -> Result<[By
     })
 }
 
+/// Frames by the numbers of their detections, in each start of the role that sent them.
+#[derive(Debug, Default, PartialEq, Eq)]
+struct Frames(HashMap<u64, Vec<RangeInclusive<u64>>>);
+
+impl Frames {
+    fn add(&mut self, frame: MessageId) {
+        let ranges = self.0.entry(frame.epoch).or_default();
+        // A number that comes twice is as good as the next one; in a damaged recording it may be any.
+        let goes_on = |end: u64| end == frame.seq || frame.seq.checked_sub(1) == Some(end);
+        match ranges.last_mut().filter(|range| goes_on(*range.end())) {
+            Some(range) => *range = *range.start()..=frame.seq,
+            None => ranges.push(frame.seq..=frame.seq),
+        }
+    }
+
+    fn add_all(&mut self, other: Self) {
+        for (epoch, ranges) in other.0 {
+            self.0.entry(epoch).or_default().extend(ranges);
+        }
+    }
+
+    fn has(&self, frame: MessageId) -> bool {
+        self.0.get(&frame.epoch).is_some_and(|ranges| ranges.iter().any(|range| range.contains(&frame.seq)))
+    }
+}
+
 /// What is said of each file.
 type ByFile = BTreeMap<PathBuf, Counts>;
 
-fn count(recorded: Recorded<'_>, tick: &dyn Fn()) -> Result<ByFile, ToolError> {
-    let mut counts = ByFile::new();
+/// What is said of recordings that follow each other, and their frames.
+#[derive(Debug, Default)]
+struct Counted {
+    files: ByFile,
+    frames: Frames,
+}
+
+fn count(recorded: Recorded<'_>, before: &Frames, tick: &dyn Fn()) -> Result<Counted, ToolError> {
+    let mut counted = Counted::default();
     let mut names = (0, Names::default());
     judge(recorded, &mut |step: Step<'_>| -> Result<(), ToolError> {
         tick();
@@ -72,13 +112,14 @@ fn count(recorded: Recorded<'_>, tick: &dyn Fn()) -> Result<ByFile, ToolError> {
         if names.0 != hash {
             names = (hash, Names::of_job(job));
         }
-        if !step.verdicts.is_empty() {
-            let of_file = counts.entry(step.recording.into()).or_default();
+        counted.frames.add(step.frame);
+        if !step.verdicts.is_empty() && !before.has(step.frame) {
+            let of_file = counted.files.entry(step.recording.into()).or_default();
             step.verdicts.iter().for_each(|verdict| of_file.add(verdict, &names.1));
         }
         Ok(())
     })?;
-    Ok(counts)
+    Ok(counted)
 }
 
 /// How many pieces were right, wrong and not judged, and which faults there were.
@@ -143,6 +184,8 @@ fn rows<'c>(old: &'c Counts, new: &'c Counts) -> Vec<(&'c str, [usize; 2])> {
 struct Table {
     old: Counts,
     new: Counts,
+    /// What both were counted of.
+    frames: Frames,
     /// Recordings of which the two say something else, and in what.
     differing: Vec<String>,
     /// Why recordings could not be compared.
@@ -153,11 +196,16 @@ impl Table {
     /// Adds recordings that follow each other. Those that cannot be judged are left out, which is said.
     fn take(&mut self, chain: &Chain, path: &Path, file: &JobFile) {
         let compared = match &chain.plan {
-            Ok(plan) => compare(&chain.paths, plan, (path, file)).map_err(|error| error.to_string()),
+            Ok(plan) => {
+                compare(&chain.paths, plan, (path, file), &self.frames).map_err(|error| error.to_string())
+            }
             Err(error) => Err(error.to_string()),
         };
         match compared {
-            Ok([old, new]) => self.add(&chain.paths, &old, &new),
+            Ok([old, new]) => {
+                self.add(&chain.paths, &old.files, &new.files);
+                self.frames.add_all(old.frames);
+            }
             Err(why) => {
                 let name = |path: &PathBuf| match path.display().to_string() {
                     name if why.starts_with(&name) => why.clone(),
@@ -205,5 +253,24 @@ impl Table {
         let [right, wrong, not_judged] = self.new.pieces;
         let is_open = not_judged > 0 || self.new.has(false) || right == 0 || !self.left_out.is_empty();
         code_of_verdicts(wrong > 0 || self.new.has(true), is_open)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_known_by_their_numbers_in_each_start_of_their_role() {
+        let frame = |epoch, seq| MessageId { epoch, seq };
+        let (mut all, mut frames) = (Frames::default(), Frames::default());
+        for (epoch, seq) in [(1, 5), (1, 6), (1, 6), (1, 7), (1, 9), (2, 1)] {
+            frames.add(frame(epoch, seq));
+        }
+        assert_eq!(frames.0[&1], [5..=7, 9..=9]);
+        all.add(frame(1, 8));
+        all.add_all(frames);
+        assert!((5..=9).all(|seq| all.has(frame(1, seq))) && all.has(frame(2, 1)));
+        assert!(!all.has(frame(1, 4)) && !all.has(frame(1, 10)) && !all.has(frame(2, 5)));
     }
 }
