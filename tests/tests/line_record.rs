@@ -68,7 +68,11 @@ fn load_second_job(plc: &mut Modbus, watcher: &mut Watcher) {
         watcher.until("the end of the piece", |watcher| watcher.phase() == Some(JudgePhase::Waiting));
         plc.enable();
         let Some(refusal) = plc.load_job(2) else { return };
-        assert_eq!(refusal, u16::from(Refusal::Busy.code()));
+        // On a busy machine the command before may still be under way.
+        assert!(
+            [Refusal::Busy, Refusal::TooMany].map(|one| u16::from(one.code())).contains(&refusal),
+            "{refusal}"
+        );
         assert!(Instant::now() < until, "the worker is never between two pieces");
     }
 }

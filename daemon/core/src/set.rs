@@ -21,7 +21,7 @@ pub type ActivitySet = Set<Activities>;
 /// A set of objects, each given by its index among those that an encoder follows ([`Couples::objects`](crate::couple::Couples)).
 pub type ObjectSet = Set<Objects>;
 
-/// A set of numbers of one kind. All are below [`ACTIVITIES`] and [`OBJECTS`], which are equal; others are left out.
+/// A set of numbers of one kind, or of named flags. All are below [`ACTIVITIES`] and [`OBJECTS`], which are equal; others are left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Set<Of>(u32, PhantomData<Of>);
 

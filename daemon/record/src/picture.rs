@@ -38,6 +38,14 @@ pub enum PictureError {
         /// The rows that it promises.
         height: u32,
     },
+    /// It has more or fewer pixels than its size says.
+    #[error("a picture has other pixels than the {width} x {height} that it says")]
+    OtherPixels {
+        /// The columns that it says it has.
+        width: usize,
+        /// The rows that it says it has.
+        height: usize,
+    },
     /// It cannot be encoded.
     #[error("a picture cannot be encoded: {0}")]
     Jpeg(#[from] turbojpeg::Error),
@@ -232,9 +240,12 @@ pub fn decode(jpeg: &[u8]) -> Result<Decoded, PictureError> {
 /// A picture of blue, green and red as a file.
 ///
 /// # Errors
-/// What libjpeg-turbo says.
+/// A picture of other pixels than its size says; then what libjpeg-turbo says.
 pub fn encode(picture: &Decoded, quality: u8) -> Result<Vec<u8>, PictureError> {
     let (width, height) = (picture.width as usize, picture.height as usize);
+    if picture.pixels.len() != 3 * width * height {
+        return Err(PictureError::OtherPixels { width, height });
+    }
     let format = turbojpeg::PixelFormat::BGR;
     let image = Image { pixels: &picture.pixels[..], width, height, pitch: 3 * width, format };
     compress(image, quality)
@@ -388,5 +399,7 @@ mod tests {
         let (header, bytes) = frame(|_, _| [0; 3]);
         assert!(PictureMaker::new(&Record::default()).jpeg(&header, &bytes[1..], None).is_err());
         assert!(matches!(decode(b"no picture"), Err(PictureError::NoJpeg)));
+        let cut = Decoded { width: 4, height: 4, pixels: vec![0; 47] };
+        assert!(matches!(encode(&cut, 80), Err(PictureError::OtherPixels { width: 4, height: 4 })));
     }
 }

@@ -197,6 +197,8 @@ impl<R: Read> RecordingReader<R> {
             // Of what is in a chunk, only what is given on is copied.
             let chunk = Arc::clone(&self.chunk);
             let record = match self.next_in_chunk(&chunk) {
+                // A chunk holds no other one.
+                Some(Ok(Record::Chunk { .. })) => continue,
                 Some(Ok(record)) => Some(record),
                 Some(Err(error)) => self.ends(&error),
                 None => self.next_record()?,

@@ -180,18 +180,43 @@ fn seed() -> u64 {
 
 /// The same recording without checksums of its chunks, as other writers leave them: what is damaged in a chunk is read.
 fn without_checksums(bytes: &[u8]) -> Vec<u8> {
-    // A record is a byte for its kind, its length in eight bytes, and its content. That of a chunk begins with two times and its length.
-    const CHUNK: u8 = 6;
-    let (head, checksum) = (9, 24..28);
     let mut without = bytes.to_vec();
-    let mut at = mcap::MAGIC.len();
-    while let Some(length) = bytes.get(at + 1..at + head) {
-        if bytes[at] == CHUNK {
-            without[at + head..][checksum.clone()].fill(0);
-        }
-        at += head + u64::from_le_bytes(length.try_into().unwrap()) as usize;
+    for chunk in chunks(bytes) {
+        without[chunk + HEAD..][24..28].fill(0);
     }
     without
+}
+
+/// A record is a byte for its kind, its length in eight bytes, and its content. That of a chunk begins with two times and its length.
+const HEAD: usize = 9;
+const CHUNK: u8 = 6;
+
+/// Where the chunks of a recording begin.
+fn chunks(bytes: &[u8]) -> Vec<usize> {
+    let (mut chunks, mut at) = (Vec::new(), mcap::MAGIC.len());
+    while let Some(length) = bytes.get(at + 1..at + HEAD) {
+        if bytes[at] == CHUNK {
+            chunks.push(at);
+        }
+        at += HEAD + u64::from_le_bytes(length.try_into().unwrap()) as usize;
+    }
+    chunks
+}
+
+#[test]
+fn a_chunk_within_a_chunk_is_none_and_the_rest_of_the_outer_one_is_read() {
+    let mut bytes = without_checksums(&write(&items(2)));
+    let whole = read(&bytes).unwrap();
+    let outer = chunks(&bytes)[0];
+    // Two times, a length, a checksum, no compression, and nothing in it.
+    let inner = [&[CHUNK][..], &40_u64.to_le_bytes(), &[0; 40]].concat();
+    for length in [outer + 1, outer + HEAD + 16, outer + HEAD + 32] {
+        let longer = u64::from_le_bytes(bytes[length..length + 8].try_into().unwrap()) + inner.len() as u64;
+        bytes[length..length + 8].copy_from_slice(&longer.to_le_bytes());
+    }
+    let first = outer + HEAD + 40;
+    bytes.splice(first..first, inner);
+    assert_eq!(read(&bytes).unwrap(), whole);
 }
 
 #[test]

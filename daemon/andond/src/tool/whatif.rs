@@ -205,6 +205,8 @@ impl Table {
             Ok([old, new]) => {
                 self.add(&chain.paths, &old.files, &new.files);
                 self.frames.add_all(old.frames);
+                // Where no job was in force only the new one has judged.
+                self.frames.add_all(new.frames);
             }
             Err(why) => {
                 let name = |path: &PathBuf| match path.display().to_string() {

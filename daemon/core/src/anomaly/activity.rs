@@ -153,7 +153,8 @@ impl OpenActivity {
         }
     }
 
-    /// Returns the number of the next IU, which has this context. With `was_idle` the hand was certainly idle since the one before.
+    /// The next IU begins in this context: it moves the places on, by what is known of the transition to it. Returns its number. With `was_idle` the
+    /// hand was certainly idle since the one before.
     pub(super) fn next_iu(
         &mut self,
         job: &Job<'_>,

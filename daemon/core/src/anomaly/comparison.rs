@@ -15,8 +15,8 @@ use crate::job::{Job, NominalIu, slowdown_factor};
 use crate::verdict::{Measure, Measured, Reason};
 use heapless::Vec;
 
-/// Where the other hand ends their contact, this hand may go on earlier, while the parts are still within the width of the contact. In as many frames
-/// as a change takes to be believed by default.
+/// Where the other hand ends the contact of two parts, this hand may go on some frames earlier, while they are still within the width of the contact.
+/// It does so in as many as a change takes to be believed by default.
 const BORDER_FRAMES: usize = 5;
 
 /// The comparison of the open IU with one nominal IU.

@@ -3,8 +3,8 @@
 //! One that takes again what it has just put down, and lets go of it, puts it right. It goes on with the last IU of what it has done, and moves no
 //! farther than that does.
 //!
-//! While a touch that moves nothing was a step, 9 of 60 right runs by feel were accused, and 15 of 120 with a hand lost for two seconds. Before what was
-//! done could be put right, it was 9 of 90. Now 5 of 90 are, and 6 of 180 with such a hand.
+//! While a touch that moves nothing was a step, 9 of 60 right runs by feel were accused. With a hand lost for two seconds it was 15 of 120. Before what
+//! was done could be put right, it was 9 of 90. Now 5 of 90 are, and 6 of 180 with such a hand.
 
 use super::comparison::Memory;
 use super::hand::{Finding, HandJudge};

@@ -60,10 +60,10 @@ impl IuObservation {
         } else if !self.has(IuFlags::ENDED) {
             return None;
         }
-        let may_reverse = |count: u32| if may_be_hidden { count } else { 0 };
+        let unseen = |count: u32| if may_be_hidden { count } else { 0 };
         // Where nothing says how large errors are, each end of a stroke may be wrong.
-        let cut_strokes = may_reverse(if drift_m > 0.0 { self.measures.cut_strokes } else { reversals });
-        let possible = Possible { share, hidden_m, cut_strokes, reversals: may_reverse(hidden_reversals) };
+        let cut_strokes = unseen(if drift_m > 0.0 { self.measures.cut_strokes } else { reversals });
+        let possible = Possible { share, hidden_m, cut_strokes, reversals: unseen(hidden_reversals) };
         let elsewhere = first(&self.elsewhere_broken(&iu.measures, possible));
         match (too_short(), elsewhere) {
             // Strokes that are small or go across are counted badly.

@@ -34,8 +34,9 @@
 //! recording, its verdicts stay or become not judged. It depends on four quantities, each of which less observation only makes wider:
 //!
 //! - *Where a hand is in an activity* is the set of its places (`places`). What takes less than twice as long as a gap may have come in it.
-//! - *What has come of a job* lies between what was judged and that with what may have come unseen (`progress`). It is what was hidden for half as long
-//!   as the quickest person needs, what came before the first frame, and what a part that was never seen is used for. A fault needs the wider end, a
+//! - *What has come of a job* lies between what was judged and that with what may have come unseen (`progress`). Unseen may have come what
+//!   was hidden for half as long as the quickest person needs. So may what came before the first frame, and what a part that was never seen is used
+//!   for. A fault needs the wider end, a
 //!   right job the narrower one. What lies where the job begins has not come.
 //! - *A measure* lies between what was seen and that with what fits into the gaps (`observation`). It is wrong if all of it is out of its bounds.
 //! - *A DTW distance* over a gap is the least that any motion there could have led to. An IU of which less than half was measured is never right. One

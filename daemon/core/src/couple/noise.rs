@@ -42,7 +42,7 @@ const MAX_DRIFT_FRAMES: u16 = 300;
 /// as large, or as half as large where it is asked whether something moves.
 const UNCERTAIN_FRAMES: f32 = 30.0;
 
-/// More than this is motion, not drift, in metres, moving or at rest. A tracker that drifts more cannot resolve a contact.
+/// More than this is motion, not drift, in metres, while a change is believed and while the hands rest. A tracker that drifts more cannot resolve a contact.
 const MAX_DRIFT_M: f32 = 0.03;
 
 /// Squares of the drift are clipped at this multiple of their mean. In the plane one in 8,000 exceeds it, and so does a part that is moved unseen.

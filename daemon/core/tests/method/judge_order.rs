@@ -285,9 +285,11 @@ fn what_begins_after_the_first_touch_has_not_begun_before_it() {
     };
     let not_begun = || ("JobAnomaly WrongOrder".into(), Some(OrderFault::NotBegun));
     assert_eq!(said(AFTER_POLISHING, 12), not_begun(), "before the part moves");
+    let after_its_end = Law { after_end: ActivitySet::of(0), ..FREE };
+    assert_eq!(said(AFTER_POLISHING, 0).1, None, "in one frame");
+    assert_eq!(said(after_its_end, 0).1, Some(OrderFault::NotEnded), "in one frame");
     for both_at_once in 1..5 {
         assert_eq!(said(AFTER_POLISHING, both_at_once).1, None, "{both_at_once}");
-        let after_its_end = Law { after_end: ActivitySet::of(0), ..FREE };
         assert_eq!(said(after_its_end, both_at_once), not_begun(), "{both_at_once}");
     }
 }

@@ -1,7 +1,7 @@
 //! The smallest deviation of each kind that the bounds of a job notice, and what more runs would change in it.
 
 use super::measures::narrower_with_more;
-use super::report::{ENOUGH_DEMONSTRATIONS, IuReport};
+use super::report::IuReport;
 use crate::distribution::{Distribution, Right, range_of};
 use crate::job_file::TaughtIu;
 use andon_core::verdict::Measure;
@@ -58,11 +58,14 @@ pub(super) fn cells(iu: &TaughtIu, rate_hz: f32) -> Option<[String; 7]> {
     ])
 }
 
+/// How many more runs are offered as a measure of what they bring.
+const MORE_RUNS: usize = 5;
+
 /// What a number of runs, all of one kind, could gain by more of them.
 pub(super) fn what_more_would_bring(runs: usize, false_alarms: f64) -> String {
-    let share = narrower_with_more(runs, ENOUGH_DEMONSTRATIONS as usize, false_alarms);
+    let share = narrower_with_more(runs, MORE_RUNS, false_alarms);
     format!(
-        "{ENOUGH_DEMONSTRATIONS} more runs like these would bring these bounds {:.0} % nearer to what was shown; runs of other people move them to where \
+        "{MORE_RUNS} more runs like these would bring these bounds {:.0} % nearer to what was shown; runs of other people move them to where \
          people differ",
         100.0 * share
     )

@@ -16,7 +16,7 @@ use andon_core::couple::Context;
 use std::fmt;
 
 /// A threshold that depends on fewer demonstrations than this is reported: people are asked to show a job five times.
-pub(super) const ENOUGH_DEMONSTRATIONS: u32 = 5;
+const ENOUGH_DEMONSTRATIONS: u32 = 5;
 
 /// What was taught of one IU of a nominal activity, and what it depends on.
 #[derive(Clone, Debug, PartialEq)]

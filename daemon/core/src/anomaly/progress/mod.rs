@@ -176,8 +176,8 @@ impl<'a> Progress<'a> {
     }
 
     fn push(&mut self, event: Event) {
-        // There is room for all events of a frame.
-        let _ = self.told.push(event);
+        let is_told = self.told.push(event).is_ok();
+        debug_assert!(is_told, "there is room for all events of a frame");
     }
 
     /// A job begins, and since when a hand that was not seen had worked before it.

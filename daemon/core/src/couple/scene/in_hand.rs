@@ -386,7 +386,7 @@ impl Scene {
         (newest..age).find_map(|newest| Some((newest, known(newest)?)))
     }
 
-    /// The age of the window's last known frame, and how far from here a place is then, in metres.
+    /// The age of the window's last known frame, and how far a place then is from where it is in this frame, in metres.
     pub(super) fn moved(&self, age: usize, at: impl Fn(usize) -> Option<Point>) -> Option<(usize, f32)> {
         let (from, (newest, to)) = at(age).zip(self.newest_known(age, at))?;
         Some((newest, distance(to, from)))
