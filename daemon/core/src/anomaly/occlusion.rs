@@ -102,26 +102,18 @@ impl OcclusionLog {
         }
     }
 
+    /// One object is named for each frame: one of the context, or else one that the hand may have taken.
     fn count_hidden(&mut self, couple: &Couple) {
-        let [hand, ..] = couple.visibility.map(|visibility| visibility != Visibility::Seen);
+        let [hand, o_j, o_l] = couple.visibility.map(|visibility| visibility != Visibility::Seen);
         self.hand = self.hand.saturating_add(hand.into());
-        let ids = [
-            (couple.context.o_j(), couple.visibility[1]),
-            (couple.context.0[3], couple.visibility[2]),
-            (couple.hidden_object, Visibility::Unseen),
-        ];
-        for (index, (id, visibility)) in ids.into_iter().enumerate() {
-            let is_counted = ids[..index]
-                .iter()
-                .any(|(other, visibility)| *other == id && *visibility != Visibility::Seen);
-            let place = self.objects.iter_mut().find(|(object, _)| [id, 0].contains(object));
-            if id != 0
-                && visibility != Visibility::Seen
-                && !is_counted
-                && let Some(place) = place
-            {
-                *place = (id, place.1.saturating_add(1));
-            }
+        let object = match (o_j, o_l) {
+            (true, _) => couple.context.o_j(),
+            (_, true) => couple.context.0[3],
+            _ => couple.hidden_object,
+        };
+        let place = self.objects.iter_mut().find(|(id, _)| [object, 0].contains(id));
+        if let Some(place) = place.filter(|_| object != 0) {
+            *place = (object, place.1.saturating_add(1));
         }
     }
 
