@@ -5,7 +5,7 @@
 
 use super::hand_doubt::HandDoubt;
 use super::occlusion::Cause;
-use super::places::{Places, Transition};
+use super::places::Places;
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
 use crate::couple::Context;
@@ -85,10 +85,10 @@ pub(super) struct OpenActivity {
     places: [Places; ACTIVITIES],
     /// The same before the newest IU.
     places_before: [Places; ACTIVITIES],
-    /// How the newest IU began.
-    newest: (Context, Transition),
-    /// What was not seen since the newest IU began.
-    transition: Transition,
+    /// The context of the newest IU.
+    newest: Context,
+    /// For how many frames IUs may have come and gone unseen since the newest one that has certainly happened began.
+    hidden: u32,
     pub(super) remainder: Remainder,
     /// An end of all of it fits into as many hidden frames.
     end_frames: u32,
@@ -143,8 +143,8 @@ impl OpenActivity {
             unjudged: None,
             places,
             places_before: places,
-            newest: (context, Transition::default()),
-            transition: Transition::default(),
+            newest: context,
+            hidden: 0,
             remainder,
             end_frames: doubt.end_frames(),
             possibly_ended: ActivitySet::EMPTY,
@@ -153,35 +153,35 @@ impl OpenActivity {
         }
     }
 
-    /// The next IU begins in this context: it moves the places on, by what is known of the transition to it. Returns its number. With `was_idle` the
-    /// hand was certainly idle since the one before.
+    /// The next IU begins in this context, and moves the places on if it is certain that it has happened: one that may not have is as good as hidden.
+    /// Something may have come and gone in some `hidden` frames before it. With `was_idle` the hand was certainly idle since the one before. Returns
+    /// its number.
     pub(super) fn next_iu(
         &mut self,
         job: &Job<'_>,
         context: Context,
-        to_it: Transition,
-        was_idle: bool,
+        is_certain: bool,
+        (hidden, was_idle): (u32, bool),
     ) -> u16 {
-        let Transition { is_doubtful, hidden, .. } = to_it;
-        let hidden = self.transition.hidden.max(hidden);
-        let transition = Transition { is_doubtful, hidden, ..self.transition };
-        if self.ius > 0 && (was_idle || self.transition.hidden >= self.end_frames) {
+        if self.ius > 0 && (was_idle || self.hidden >= self.end_frames) {
             self.note_possible_end(job);
         }
-        self.places_before = self.places;
-        self.newest = (context, transition);
-        self.places = self.places_after(job, transition);
-        self.transition = Transition { was_doubtful: is_doubtful, ..Transition::default() };
+        self.add_hidden(hidden);
+        (self.places_before, self.newest) = (self.places, context);
+        if is_certain {
+            self.places = self.places_after(job);
+            self.hidden = 0;
+        }
         let number = self.ius;
         self.ius = number.saturating_add(1);
         number
     }
 
-    /// For each nominal activity, where in it the activity may be after the newest IU, if that began so.
-    fn places_after(&self, job: &Job<'_>, transition: Transition) -> [Places; ACTIVITIES] {
+    /// For each nominal activity, where in it the activity may be after the newest IU, if that has happened.
+    fn places_after(&self, job: &Job<'_>) -> [Places; ACTIVITIES] {
         let mut places = self.places_before;
         for (index, (places, nominal)) in places.iter_mut().zip(job.activities).enumerate() {
-            *places = places.step(nominal.ius, job.allows_insertions(index), self.newest.0, transition);
+            *places = places.step(nominal.ius, job.allows_insertions(index), self.newest, self.hidden);
         }
         places
     }
@@ -191,36 +191,30 @@ impl OpenActivity {
         &self,
         job: &'b Job<'b>,
     ) -> impl Iterator<Item = (usize, usize)> + Clone + use<'b> {
-        let (context, transition) = self.newest;
-        let places = match transition.is_doubtful {
-            true => self.places_after(job, Transition { is_doubtful: false, ..transition }),
-            false => self.places,
-        };
+        let context = self.newest;
+        // What was hidden before it counts until it is certain.
+        let places = if self.hidden == 0 { self.places } else { self.places_after(job) };
         let all = job.activities.iter().enumerate();
         all.flat_map(move |(nominal, activity)| {
             places[nominal].newest(activity.ius, context).map(move |index| (nominal, index))
         })
     }
 
-    /// The newest IU began in doubt, and it is certain now that it has happened.
-    pub(super) fn confirm_iu(&mut self, job: &Job<'_>) {
-        let (context, transition) = self.newest;
-        // What was not seen so far lies before it, or between two IUs in this context.
-        let hidden = core::mem::take(&mut self.transition).hidden;
-        let before_it = transition.hidden.saturating_add(hidden);
-        let transition = Transition { is_doubtful: false, hidden: before_it, ..transition };
-        self.newest.1 = transition;
-        let with_it = self.places_after(job, transition);
+    /// The newest IU began in doubt as many frames ago, and it is certain now that it has happened. What was not seen lies before it, or between two
+    /// IUs in this context.
+    pub(super) fn confirm_iu(&mut self, job: &Job<'_>, frames: u32) {
+        let with_it = self.places_after(job);
+        let hidden = core::mem::take(&mut self.hidden).min(frames);
         for ((places, with_it), nominal) in self.places.iter_mut().zip(with_it).zip(job.activities) {
             if !places.is_empty() {
-                *places = with_it.resume(hidden, nominal.ius, context);
+                *places = with_it.resume(hidden, nominal.ius, self.newest);
             }
         }
     }
 
     /// The newest IU may not have happened.
     pub(super) fn doubt_newest_iu(&mut self) {
-        self.transition.was_doubtful = true;
+        self.add_hidden(1);
         for (places, before) in self.places.iter_mut().zip(self.places_before) {
             *places = places.or(before);
         }
@@ -247,17 +241,17 @@ impl OpenActivity {
         candidates_at(&self.places_before)
     }
 
-    /// Something may have happened unseen in as many more frames since the newest IU began.
+    /// Something may have happened unseen in as many frames up to now.
     pub(super) fn add_hidden(&mut self, frames: u32) {
-        self.transition.hidden = self.transition.hidden.saturating_add(frames);
+        self.hidden = self.hidden.max(frames);
     }
 
     /// What was not seen for a while is seen again in this context.
     pub(super) fn resume(&mut self, side: Side, context: Context, progress: &Progress<'_>) {
         let (job, context) = (progress.job, self.as_shown(context));
-        let is_same = context == Context::IDLE || context == self.newest.0;
-        if self.transition.hidden > 0 && is_same {
-            let hidden = self.transition.hidden;
+        let is_same = context == Context::IDLE || context == self.newest;
+        if self.hidden > 0 && is_same {
+            let hidden = self.hidden;
             // The hand may have let go meanwhile, or ended all of it and begun again with the same object, if that may come again.
             if context != Context::IDLE {
                 let all = self.places.iter().zip(job.activities).enumerate();
@@ -268,10 +262,10 @@ impl OpenActivity {
             } else if hidden >= self.end_frames {
                 self.note_possible_end(job);
             }
-            self.transition.hidden = 0;
             for (places, nominal) in self.places.iter_mut().zip(job.activities) {
                 *places = places.resume(hidden, nominal.ius, context);
             }
+            self.hidden = 0;
         }
     }
 
@@ -288,9 +282,8 @@ impl OpenActivity {
 
     /// The nominal activities that may have come to their end, some of it unseen. What comes after that may be any that still has a place.
     pub(super) fn may_have_come(&self, job: &Job<'_>) -> ActivitySet {
-        let hidden = self.transition.hidden;
         let all = self.places.iter().zip(job.activities).enumerate();
-        let complete = all.filter(|(_, (places, nominal))| places.may_be_complete(nominal.ius, hidden));
+        let complete = all.filter(|(_, (places, nominal))| places.may_be_complete(nominal.ius, self.hidden));
         let complete: ActivitySet = complete.map(|(nominal, _)| nominal).collect();
         self.possibly_ended | candidates_at(&self.places).when(self.may_have_ended()) | complete
     }
@@ -307,12 +300,11 @@ impl OpenActivity {
 
     /// Whether all of it has come, some of it unseen, if the hand is idle now.
     pub(super) fn has_ended_if_idle(&self, job: &Job<'_>) -> bool {
-        let hidden = self.transition.hidden;
         let mut all = candidates_at(&self.places).iter().peekable();
         let has_ended = |nominal: usize| {
             // Where other IUs may come, the hand may let go and take the part again.
             let ius = job.activities[nominal].ius;
-            !job.allows_insertions(nominal) && self.places[nominal].has_ended_if_idle(ius, hidden)
+            !job.allows_insertions(nominal) && self.places[nominal].has_ended_if_idle(ius, self.hidden)
         };
         all.peek().is_some() && all.all(has_ended)
     }
@@ -321,8 +313,7 @@ impl OpenActivity {
     pub(super) fn has_certainly_ended(&self, job: &Job<'_>) -> bool {
         let all = self.places.iter().zip(job.activities).filter(|(places, _)| !places.is_empty());
         let ended = all.map(|(places, nominal)| places.is_certainly(nominal.ius.len()));
-        let Transition { hidden, was_doubtful, .. } = self.transition;
-        let is_seen = hidden == 0 && !was_doubtful && !self.may_have_ended();
+        let is_seen = self.hidden == 0 && !self.may_have_ended();
         is_seen && ended.reduce(|one, other| one && other) == Some(true)
     }
 
@@ -393,7 +384,7 @@ impl OpenActivity {
     /// Finds with which nominal activities the context of the newest IU, with parts of the job or without, agrees as it was seen. Returns whether it
     /// came between those of nominal activities that allow that.
     pub(super) fn agree(&mut self, job: &Job<'_>, has_parts: bool) -> bool {
-        let context = self.newest.0;
+        let context = self.newest;
         let newest = self.as_seen().wrapping_sub(1);
         let is_newest = |nominal: &usize| {
             job.activities[*nominal].ius.get(newest).is_some_and(|iu| iu.context == context)

@@ -3,11 +3,9 @@
 use super::activity::{Against, OpenActivity, Remainder, Step, context_reason};
 use super::comparison::Memory;
 use super::hand::{Finding, HandJudge, OpenIu};
-use super::hand_doubt::HandFlags;
 use super::interrupted::Interrupted;
 use super::observation::{IuFlags, IuObservation};
 use super::occlusion::{Cause, OcclusionLog, too_few_frames};
-use super::places::Transition;
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Couple, Motion, Unseen};
@@ -47,7 +45,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// Takes note of how well the hand is seen in the next couple, this many frames after the last, before anything is decided on it.
     pub(super) fn observe(&mut self, couple: &Couple, frames: u32, progress: &mut Progress<'a>) {
-        let newly_hidden = self.doubt.observe(couple, frames);
+        self.doubt.observe(couple, frames);
         self.occlusions.skip(frames, couple);
         let hidden = self.doubt.hidden_frames();
         progress.set_hidden(self.side, hidden, hidden > 0 || self.doubt.is_doubtful());
@@ -56,7 +54,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         // An IU that began in doubt is confirmed elsewhere.
         let is_certain = self.doubt.is_certain() && (self.iu.is_none() || self.iu_has(IuFlags::CERTAIN));
         if let Some(activity) = &mut self.activity {
-            activity.add_hidden(newly_hidden);
+            activity.add_hidden(self.doubt.hidden_lately());
             if is_certain {
                 // What begins with this couple is not what went on unseen.
                 let context = if self.iu.is_some() { couple.context } else { Context::IDLE };
@@ -73,17 +71,16 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         self.comparisons.clear();
         activity.may_be_passive &= progress.has_parts_of(context);
         let (is_doubtful, was_idle) = (self.doubt.is_doubtful(), self.doubt.was_idle());
-        let to_it = Transition { is_doubtful, hidden: self.doubt.hidden_before(), ..Transition::default() };
-        let number = activity.next_iu(job, activity.as_shown(context), to_it, self.doubt.begin_iu());
+        let before = (self.doubt.hidden_before(), self.doubt.begin_iu());
+        let number = activity.next_iu(job, activity.as_shown(context), !is_doubtful, before);
         // With what goes on although all may have come, the next piece may have begun.
         if number > 0 && progress.may_be_matched() {
             progress.set_goes_on_in_next(self.side);
         }
-        let may_be_remainder = number == 0 && self.doubt.has(HandFlags::REMAINDER) && !was_idle;
+        let may_be_remainder = number == 0 && self.doubt.may_be_remainder && !was_idle;
         // A step that was not shown may come between two parts of one activity, so the doubt outlasts it.
-        if activity.step != Step::Untaught || !self.doubt.has(HandFlags::REMAINDER) {
-            self.doubt.flags.put(HandFlags::REMAINDER | HandFlags::UNWATCHED, false);
-        }
+        self.doubt.may_be_remainder &= activity.step == Step::Untaught;
+        self.doubt.is_begun_late &= self.doubt.may_be_remainder;
         let may_be_part = may_be_remainder || self.doubt.may_go_on(context);
         self.iu = Some(OpenIu {
             number,
@@ -106,7 +103,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     fn confirm_iu(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         let (Some(iu), Some(activity)) = (&mut self.iu, &mut self.activity) else { return };
         iu.observation.flags |= IuFlags::CERTAIN;
-        activity.confirm_iu(progress.job);
+        activity.confirm_iu(progress.job, iu.observation.frames);
         if self.comparisons.is_empty() && iu.context.is_touch() && !iu.observation.has(IuFlags::CONCLUDED) {
             self.judge_context(couple, progress);
         }
@@ -194,7 +191,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let is_certain = self.iu_has(IuFlags::CERTAIN);
         let Some(activity) = &mut self.activity else { return };
         // What else lies there has not been seen for long enough either.
-        let may_be_right = self.doubt.has(HandFlags::OBJECT_NEW) || activity.may_be_right();
+        let may_be_right = self.doubt.is_object_new() || activity.may_be_right();
         if (is_certain || !couple.is_in_sight()) && activity.against == Against::Candidates {
             activity.follow_nearest(progress.job, activity.as_shown(couple.context));
         }
@@ -222,8 +219,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// The open IU continues with `couple`. Decides what can be decided before its end.
     pub(super) fn continue_iu(&mut self, couple: &Couple, measures: Measures, progress: &mut Progress<'a>) {
-        let is_forgotten =
-            self.activity.is_none() && self.doubt.is_certain() && !self.doubt.has(HandFlags::REMAINDER);
+        let is_forgotten = self.activity.is_none() && self.doubt.is_certain() && !self.doubt.may_be_remainder;
         if is_forgotten {
             self.occlusions.forget();
         } else {
@@ -285,7 +281,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             let open = *open;
             let is_concluded = open.observation.has(IuFlags::CONCLUDED);
             let is_certain = open.observation.has(IuFlags::CERTAIN) && !self.doubt.is_doubtful();
-            let may_be_part = self.doubt.has(HandFlags::BROKEN_OFF) || !is_certain;
+            let may_be_part = self.is_broken_off || !is_certain;
             let observation = IuObservation {
                 frames: iu.frames,
                 measured: iu.measured,
@@ -411,7 +407,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let is_seen = self.iu.is_none_or(|iu| iu.observation.assumed == 0);
         let is_begun_late = is_seen
             && self.activity.as_ref().is_some_and(|activity| activity.remainder == Remainder::Unwatched);
-        if self.doubt.has(HandFlags::BROKEN_OFF) {
+        if self.is_broken_off {
             Reason::BrokenOff.into()
         } else if self.iu.is_some_and(is_uncaptured) {
             self.occlusions.frames_missing(min_captured)

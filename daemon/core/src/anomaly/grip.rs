@@ -8,7 +8,6 @@
 
 use super::comparison::Memory;
 use super::hand::{Finding, HandJudge};
-use super::hand_doubt::HandFlags;
 use super::observation::{IuFlags, IuObservation};
 use super::progress::Progress;
 use crate::couple::Context;
@@ -77,7 +76,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             self.conclude_unseen(progress);
             let cause = self.unseen_cause(progress);
             let nearest = self.activity.as_ref().and_then(|activity| activity.nearest);
-            self.doubt.flags |= HandFlags::REMAINDER;
+            self.doubt.may_be_remainder = true;
             progress.set_doubtful();
             self.conclude_activity(Finding::of(Outcome::NotJudged, cause, nearest), false, progress);
         }

@@ -3,7 +3,7 @@
 use super::activity::{OpenActivity, Step};
 use super::comparison::{ComparisonResult, Comparisons, Memory};
 use super::grip::LastIu;
-use super::hand_doubt::{HandDoubt, HandFlags};
+use super::hand_doubt::HandDoubt;
 use super::interrupted::Interrupted;
 use super::observation::{IuFlags, IuObservation};
 use super::occlusion::{Cause, OcclusionLog};
@@ -45,6 +45,8 @@ pub(super) struct HandJudge<'a, M> {
     pub(super) last_done: Option<LastIu>,
     /// Why its newest activity was not judged, of which the next one may be the remainder.
     pub(super) newest_unjudged: Option<Cause>,
+    /// The couples have broken off, or the other hand has begun the next piece: the open activity is not watched to its end.
+    pub(super) is_broken_off: bool,
 }
 
 /// What was decided on an IU or an activity, and why.
@@ -98,6 +100,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             occlusions: OcclusionLog::new(side, method.period_ns()),
             last_done: None,
             newest_unjudged: None,
+            is_broken_off: false,
         }
     }
 
@@ -114,7 +117,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// The open activity is not watched to its end.
     pub(super) fn break_off(&mut self) {
-        self.doubt.flags |= HandFlags::BROKEN_OFF;
+        self.is_broken_off = true;
         self.lose_place();
     }
 

@@ -1,62 +1,50 @@
-//! For how many frames something may have come and gone unseen, for one hand.
+//! The contexts that are possible for one hand, and for how many frames something may have come and gone unseen.
+//!
+//! A couple leaves one context, which is *certain*, or several. Any context that can be reached from the one that was certain last is possible then.
 
 use super::activity::Remainder;
 use crate::config::Method;
 use crate::couple::{Context, Couple, Unseen};
-use crate::set::Set;
 
 /// After this many times `persist_frames` without contact a hand is certainly empty. The first passes until a contact is known again behind a gap,
 /// and the second until it is believed. In the third the hand comes to rest at what it takes.
 const IDLE_PERSISTS: u32 = 3;
 
-/// What is so of a hand, or may be because not all was seen.
-pub(super) type HandFlags = Set<HandDoubt>;
-
-impl HandFlags {
-    /// It was certainly idle in some frame since it last acted.
-    const HAS_BEEN_IDLE: Self = Self::of(0);
-    /// Which of several objects it acts on was decided when too little was seen, or one had never been seen. It keeps to that until it lets go.
-    const HELD_IN_DOUBT: Self = Self::of(1);
-    /// The hand may have acted on `o_j` and `o_l` before they were first seen.
-    pub(super) const OBJECT_NEW: Self = Self::of(2);
-    /// One of them was new in the newest couple.
-    const OBJECT_WAS_NEW: Self = Self::of(3);
-    /// The start of the job was not seen, so that this matters wherever it begins.
-    const MAY_BE_NEW: Self = Self::of(4);
-    /// The next activity may be the remainder of one that was not seen to begin.
-    pub(super) const REMAINDER: Self = Self::of(5);
-    /// It may be so because nothing was watched before it.
-    pub(super) const UNWATCHED: Self = Self::of(6);
-    /// The couples have broken off, or the other hand has begun the next piece: the open activity is not watched to its end.
-    pub(super) const BROKEN_OFF: Self = Self::of(7);
-}
-
 /// What was not seen of one hand, as far as a verdict may depend on it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct HandDoubt {
     persist_frames: u32,
-    /// The context of the newest couple.
+    /// The context of the newest couple, and what was not seen of it.
     context: Context,
-    /// How many frames up to the newest one were not clear.
-    hidden_frames: u32,
-    /// How many frames up to the newest one were not clear, or up to the one before if the newest is clear.
+    unseen: Unseen,
+    /// In how many frames in a row the hand was hidden last, or what it acts on.
     gap: u32,
-    /// How many frames up to the newest were clear, and more if none before them was known to be unclear; `None` before it was seen.
+    /// For how many frames it has not been so, and more if it never was before; `None` if the hand has not been seen.
     clear_frames: Option<u32>,
-    /// How many frames were not clear just before those.
-    hidden_before_clear: u32,
-    /// Clear frames since the newest doubtful couple.
+    /// Clear frames since the newest couple that leaves several contexts.
     since_doubt: u32,
-    /// The newest context that was certain, and how many frames ago it was so last.
+    /// The context that was certain last, and how many frames ago.
     certain: Option<Context>,
     since_certain: u32,
+    /// In how many frames something may have come and gone up to the newest couple that leaves several contexts.
+    hidden: u32,
     /// In how many frames without a doubtful one between them, up to the couple before the newest, the hand was certainly idle.
     idle_frames: u32,
-    /// [`hidden_before`](Self::hidden_before) at the newest doubtful couple.
-    lately_hidden: u32,
+    /// It was so in some frame since it last acted.
+    has_been_idle: bool,
+    /// Which of several objects the hand acts on was decided when too little was seen, or before one of them was first seen. It keeps to that one
+    /// until it lets go.
+    is_held_doubtful: bool,
+    /// `o_j` or `o_l` is first seen, and the hand may have acted on it before.
+    is_first_seen: bool,
+    /// The start of the job was not seen, so that this matters wherever it begins.
+    may_be_new: bool,
     /// `o_j` of the newest activity that was not judged, or 0.
     pub(super) unjudged: u16,
-    pub(super) flags: HandFlags,
+    /// The next activity may be the remainder of one that was not seen to begin.
+    pub(super) may_be_remainder: bool,
+    /// It may be so because nothing was watched before it.
+    pub(super) is_begun_late: bool,
 }
 
 impl HandDoubt {
@@ -64,115 +52,109 @@ impl HandDoubt {
     pub(super) fn new(method: &Method) -> Self {
         Self {
             persist_frames: method.persist_frames.into(),
-            flags: HandFlags::MAY_BE_NEW | HandFlags::REMAINDER | HandFlags::UNWATCHED,
+            may_be_new: true,
+            may_be_remainder: true,
+            is_begun_late: true,
             ..Self::default()
         }
     }
 
     /// What follows is the beginning of a job, so nothing that was not seen before matters.
     pub(super) fn begin(&mut self) {
-        (self.hidden_frames, self.gap, self.since_doubt, self.unjudged) = (0, 0, u32::MAX, 0);
-        self.clear_frames = None;
-        (self.certain, self.since_certain) = (Some(Context::IDLE), 0);
-        self.flags =
-            self.flags & (HandFlags::HAS_BEEN_IDLE | HandFlags::OBJECT_WAS_NEW | HandFlags::BROKEN_OFF);
+        *self = Self {
+            persist_frames: self.persist_frames,
+            context: self.context,
+            unseen: self.unseen.without(Unseen::MOVE),
+            since_doubt: u32::MAX,
+            certain: Some(Context::IDLE),
+            idle_frames: self.idle_frames,
+            has_been_idle: self.has_been_idle,
+            ..Self::default()
+        };
     }
 
     /// Nothing is known of what the hand does from now on.
     pub(super) fn lose(&mut self) {
         (self.since_doubt, self.certain) = (0, None);
-        self.flags |= HandFlags::MAY_BE_NEW | HandFlags::UNWATCHED;
+        (self.may_be_new, self.is_begun_late) = (true, true);
     }
 
     /// The encoder has started again: nothing was watched before, so the next activity may be the remainder of one.
     pub(super) fn doubt_beginning(&mut self) {
-        self.flags |= HandFlags::REMAINDER | HandFlags::UNWATCHED;
+        (self.may_be_remainder, self.is_begun_late) = (true, true);
     }
 
-    /// Takes the next couple, which comes as many frames later. Returns in how many of these frames something may have come and gone.
-    pub(super) fn observe(&mut self, couple: &Couple, frames: u32) -> u32 {
-        let (is_idle, is_certain) = (self.certain == Some(Context::IDLE), self.is_certain());
-        // A frame in which nothing can have come and gone interrupts nothing.
-        let goes_on = is_idle && !self.is_doubtful();
-        self.idle_frames = if goes_on { self.idle_frames.saturating_add(is_certain.into()) } else { 0 };
-        let has_been_idle = self.has(HandFlags::HAS_BEEN_IDLE) || self.idle_frames > 0;
-        self.flags.put(HandFlags::HAS_BEEN_IDLE, (is_idle || !is_certain) && has_been_idle);
+    /// Takes the next couple, which comes as many frames after the one before: of a long gap, not all have one.
+    pub(super) fn observe(&mut self, couple: &Couple, frames: u32) {
+        self.count_idle();
         let is_clear = !couple.lacks(Unseen::CONTEXT);
-        let missing = frames - 1;
-        self.hidden_frames = self.hidden_frames.saturating_add(missing);
-        if is_clear {
-            self.gap = core::mem::take(&mut self.hidden_frames);
-            self.clear_frames = match self.gap {
-                0 => Some(self.clear_frames.map_or(u32::MAX, |frames| frames.saturating_add(1))),
-                gap => {
-                    self.hidden_before_clear = gap;
-                    Some(1)
-                }
-            };
-        } else {
-            self.hidden_frames = self.hidden_frames.saturating_add(1);
-            self.gap = self.hidden_frames;
-        }
-        let is_doubtful = couple.lacks(Unseen::CHANGE) || missing >= self.persist_frames;
-        // What began before may have been overlooked for as long as a change takes to be believed.
-        let before = self.since_doubt.min(self.persist_frames);
-        let newly_hidden = if is_doubtful { frames.saturating_add(before) } else { 0 };
+        self.count_hidden(is_clear, frames - 1);
+        let is_doubtful = couple.lacks(Unseen::CHANGE) || frames > self.persist_frames;
         // Only frames that show something make a change believable.
         self.since_doubt = if is_doubtful { 0 } else { self.since_doubt.saturating_add(is_clear.into()) };
-        // The part in a hand may already have been at an object that is seen only now, even if the job's start was seen.
-        let is_new = couple.lacks(Unseen::ARRIVAL);
-        let appears = is_new && !self.has(HandFlags::OBJECT_WAS_NEW) && self.context.is_touch();
-        self.flags.put(HandFlags::OBJECT_WAS_NEW, is_new);
-        self.observe_held(couple);
-        let matters = appears || self.has(HandFlags::MAY_BE_NEW | HandFlags::OBJECT_NEW);
-        let is_first_seen = is_new && matters;
-        self.flags.put(HandFlags::OBJECT_NEW, is_first_seen || couple.lacks(Unseen::MOVE));
-        self.flags |= HandFlags::HELD_IN_DOUBT.when(is_first_seen && couple.lacks(Unseen::TAKING));
+        self.observe_objects(couple);
         if is_clear && !self.is_doubtful() {
             (self.certain, self.since_certain) = (Some(couple.context), 0);
         } else {
             self.since_certain = self.since_certain.saturating_add(frames);
         }
-        if self.is_doubtful() {
-            self.lately_hidden = self.hidden_before();
+        if is_doubtful {
+            self.hidden = self.hidden_since();
         }
-        newly_hidden
     }
 
-    fn observe_held(&mut self, couple: &Couple) {
-        let before = core::mem::replace(&mut self.context, couple.context).o_j();
-        if ![0, before].contains(&self.context.o_j()) {
-            let was_in_doubt = before != 0 && self.has(HandFlags::HELD_IN_DOUBT);
-            self.flags.put(HandFlags::HELD_IN_DOUBT, was_in_doubt || self.is_recent());
-        }
-        self.flags.put(HandFlags::HELD_IN_DOUBT.when(!couple.lacks(Unseen::TAKING)), false);
+    fn observe_objects(&mut self, couple: &Couple) {
+        // The part in a hand may already have been at an object that is seen only now, even if the job's start was seen.
+        let appears = self.context.is_touch() && !self.unseen.intersects(Unseen::ARRIVAL);
+        let matters = self.may_be_new || appears || self.is_object_new();
+        self.is_first_seen = matters && couple.lacks(Unseen::ARRIVAL);
+        let takes = ![0, self.context.o_j()].contains(&couple.context.o_j());
+        let is_taken_doubtful = self.is_held_doubtful || takes && self.is_recent() || self.is_first_seen;
+        self.is_held_doubtful = couple.lacks(Unseen::TAKING) && is_taken_doubtful;
+        (self.context, self.unseen) = (couple.context, couple.unseen);
     }
 
-    /// Whether any of these is so.
-    pub(super) fn has(&self, flags: HandFlags) -> bool {
-        self.flags.intersects(flags)
+    /// A frame in which nothing can have come and gone interrupts nothing.
+    fn count_idle(&mut self) {
+        let (is_idle, is_certain) = (self.certain == Some(Context::IDLE), self.is_certain());
+        let goes_on = is_idle && !self.is_doubtful();
+        self.idle_frames = if goes_on { self.idle_frames.saturating_add(is_certain.into()) } else { 0 };
+        self.has_been_idle = (is_idle || !is_certain) && (self.has_been_idle || self.idle_frames > 0);
+    }
+
+    fn count_hidden(&mut self, is_clear: bool, missing: u32) {
+        let hidden = missing + u32::from(!is_clear);
+        if hidden == 0 {
+            let never = if self.gap == 0 { u32::MAX } else { 1 };
+            self.clear_frames = Some(self.clear_frames.map_or(never, |frames| frames.saturating_add(1)));
+        } else {
+            let goes_on = self.clear_frames.is_none_or(|frames| frames == 0);
+            self.gap = if goes_on { self.gap.saturating_add(hidden) } else { hidden };
+            self.clear_frames = if is_clear { Some(1) } else { self.clear_frames.map(|_| 0) };
+        }
     }
 
     /// Whether the next activity may be the remainder of another one.
     pub(super) fn remainder(&self) -> Remainder {
-        match self.has(HandFlags::UNWATCHED) {
-            _ if !self.has(HandFlags::REMAINDER) => Remainder::No,
+        match self.is_begun_late {
+            _ if !self.may_be_remainder => Remainder::No,
             true => Remainder::Unwatched,
             false => Remainder::Possible,
         }
     }
 
-    /// Where the context changed with the newest couple, it may have changed as many frames before.
+    /// Where the context changed with the newest couple, it may have changed as many frames before. Whether two move together is read from as many
+    /// frames before the change, and behind a gap a change is believed as much later as the contact takes to be known again.
     pub(super) fn gap(&self) -> u32 {
+        let clear = self.clear_frames.unwrap_or(0);
+        let is_behind = clear <= self.persist_frames;
+        let gap = if is_behind { self.gap.saturating_add(clear.saturating_sub(1)) } else { 0 };
         if self.is_doubtful() {
-            self.gap.max(self.since_certain)
+            gap.max(self.since_certain)
         } else if self.since_doubt <= 2 * self.persist_frames {
-            // Behind a gap, a change is believed as much later as the contact takes to be known again.
-            self.gap.max(self.persist_frames)
+            gap.max(self.persist_frames)
         } else {
-            // Whether two move together is read from as many frames before the change.
-            let clear = self.clear_frames.filter(|frames| self.gap == 0 && *frames <= self.persist_frames);
-            clear.map_or(self.gap, |frames| self.hidden_before_clear.saturating_add(frames - 1))
+            gap
         }
     }
 
@@ -181,17 +163,15 @@ impl HandDoubt {
         self.certain.is_some() && self.since_certain == 0
     }
 
-    /// The newest couple is not doubtful, nor the object new. Before it the hand was idle for longer than it takes to see that it holds something.
+    /// The newest couple is not doubtful, and the hand acts on nothing new. Before it the hand was certainly idle, for longer than it takes to see
+    /// that it holds something.
     pub(super) fn was_idle(&self) -> bool {
-        let is_idle = self.idle_frames > self.min_idle_frames();
-        is_idle && !self.is_doubtful() && !self.has(HandFlags::OBJECT_NEW)
+        self.idle_frames > self.min_idle_frames() && !self.is_doubtful() && !self.is_object_new()
     }
 
     /// An IU begins with the newest couple, in doubt or not. Whether the hand was certainly idle at some time since the one before it.
     pub(super) fn begin_iu(&mut self) -> bool {
-        let has_been_idle = self.has(HandFlags::HAS_BEEN_IDLE);
-        self.flags.put(HandFlags::HAS_BEEN_IDLE, false);
-        has_been_idle
+        core::mem::take(&mut self.has_been_idle)
     }
 
     /// It takes less to see that a hand holds something.
@@ -205,14 +185,31 @@ impl HandDoubt {
         2 * self.persist_frames
     }
 
+    /// The hand may have acted on what it acts on before that was first seen.
+    pub(super) fn is_object_new(&self) -> bool {
+        self.is_first_seen || self.unseen.intersects(Unseen::MOVE)
+    }
+
+    /// In how many frames up to the newest couple that leaves several contexts something may have come and gone, if there was one lately.
+    pub(super) fn hidden_lately(&self) -> u32 {
+        if self.is_recent() { self.hidden } else { 0 }
+    }
+
     /// In how many frames something may have come and gone before what begins with the newest couple.
     pub(super) fn hidden_before(&self) -> u32 {
-        match self.certain {
-            _ if self.has(HandFlags::OBJECT_NEW) => u32::MAX,
-            _ if !self.is_doubtful() => 0,
-            Some(_) => self.since_certain.saturating_add(self.persist_frames),
-            None => u32::MAX,
+        if self.is_object_new() {
+            u32::MAX
+        } else if self.is_doubtful() {
+            self.hidden_since()
+        } else {
+            0
         }
+    }
+
+    /// In how many frames something may have come and gone since a context was certain. That one may have been overlooked for as long as a change
+    /// takes to be believed.
+    fn hidden_since(&self) -> u32 {
+        self.certain.map_or(u32::MAX, |_| self.since_certain.saturating_add(self.persist_frames))
     }
 
     /// [`hidden_before`](Self::hidden_before) for an activity that begins with this context. It may be the remainder of one with the same object, or
@@ -220,23 +217,23 @@ impl HandDoubt {
     pub(super) fn begin_activity(&mut self, context: Context) -> u32 {
         let is_same = self.certain.is_some_and(|certain| certain.o_j() == context.0[1]);
         let is_remainder =
-            is_same && self.is_doubtful() || self.has(HandFlags::OBJECT_NEW) || self.unjudged == context.0[1];
-        let hidden = if is_remainder || self.has(HandFlags::REMAINDER) {
+            is_same && self.is_doubtful() || self.is_object_new() || self.unjudged == context.0[1];
+        let hidden = if self.may_be_remainder || is_remainder {
             u32::MAX
         } else if self.since_doubt <= self.min_idle_frames() {
-            self.lately_hidden
+            self.hidden.saturating_add(self.persist_frames)
         } else {
             self.hidden_before()
         };
-        self.flags |= HandFlags::REMAINDER.when(hidden == u32::MAX);
+        self.may_be_remainder |= hidden == u32::MAX;
         self.unjudged = 0;
         hidden
     }
 
     /// What begins now is not the remainder of anything.
     pub(super) fn forget_remainder(&mut self) {
-        self.flags.put(HandFlags::REMAINDER | HandFlags::UNWATCHED | HandFlags::OBJECT_NEW, false);
-        self.unjudged = 0;
+        (self.may_be_remainder, self.is_begun_late, self.unjudged) = (false, false, 0);
+        (self.is_first_seen, self.unseen) = (false, self.unseen.without(Unseen::MOVE));
     }
 
     /// The object of the hand's newest activity, if that was not judged and the hand still touches the object.
@@ -246,13 +243,12 @@ impl HandDoubt {
 
     /// Whether an IU that begins with this context may have begun before. It goes on from before a doubt, or an object was seen for the first time.
     pub(super) fn may_go_on(&self, context: Context) -> bool {
-        self.has(HandFlags::OBJECT_NEW)
-            || self.is_doubtful() && self.certain.is_none_or(|certain| certain == context)
+        self.is_object_new() || self.is_doubtful() && self.certain.is_none_or(|certain| certain == context)
     }
 
     /// Whether the hand may still hold another object than the one that it is said to act on.
     pub(super) fn may_hold_another(&self) -> bool {
-        self.context.o_j() != 0 && self.has(HandFlags::HELD_IN_DOUBT)
+        self.context.o_j() != 0 && self.is_held_doubtful
     }
 
     /// Whether the hand may go on with what it touched before a doubt.
@@ -262,21 +258,20 @@ impl HandDoubt {
 
     /// How long the hand has been hidden. It is 0 for a hand that has never been seen, because one hand may do the work alone.
     pub(super) fn hidden_frames(&self) -> u32 {
-        self.clear_frames.map_or(0, |_| self.gap)
+        if self.clear_frames.is_some_and(|frames| frames <= 1) { self.gap } else { 0 }
     }
 
-    /// Whether a change of context with the newest couple depends on too little.
+    /// Whether the newest couple leaves several contexts, or one did not longer ago than a change takes to be believed.
     pub(super) fn is_doubtful(&self) -> bool {
         self.is_recent() || self.may_hold_another()
+    }
+
+    fn is_recent(&self) -> bool {
+        self.since_doubt <= self.persist_frames
     }
 
     /// Whether enough of the frames of a stretch were captured for two changes to be believed.
     pub(super) fn is_believable(&self, captured: u32, frames: u32) -> bool {
         captured >= frames.min(2 * self.persist_frames)
-    }
-
-    /// Whether there was a doubtful couple not longer ago than a change takes to be believed.
-    fn is_recent(&self) -> bool {
-        self.since_doubt <= self.persist_frames
     }
 }

@@ -18,7 +18,7 @@
 //! - *Release state*: the hand has let go of an object that still touches another. Such an IU is judged by its context alone,
 //!   at its beginning: it lasts until the next touch, which says nothing about the work.
 //! - *Settle*: to decide on an activity once all events of one frame have been taken for both hands.
-//! - *Doubtful*: so little was seen that a context may have come, gone or been another one ([`Unseen::CHANGE`]).
+//! - *Doubtful*: so little was seen that several contexts are possible: one may have come, gone or been another one ([`Unseen::CHANGE`]).
 //! - *Certain*: seen well enough that it has happened. An IU that began in doubt is judged once its context has been shown without doubt.
 //! - *Start seen*: nothing of the open job can have happened before what was seen of it. Otherwise what is missing accuses nobody.
 //! - *Conclude*: to give the verdict on an IU, an activity or a job, which happens exactly once; *early*, if it is before the end.
@@ -33,11 +33,11 @@
 //! One law: **a verdict is what all completions of the unseen agree on; anything else is not judged.** Whatever observations are deleted from a
 //! recording, its verdicts stay or become not judged. It depends on four quantities, each of which less observation only makes wider:
 //!
-//! - *Where a hand is in an activity* is the set of its places (`places`). What takes less than twice as long as a gap may have come in it.
-//! - *What has come of a job* lies between what was judged and that with what may have come unseen (`progress`). Unseen may have come what
-//!   was hidden for half as long as the quickest person needs. So may what came before the first frame, and what a part that was never seen is used
-//!   for. A fault needs the wider end, a
-//!   right job the narrower one. What lies where the job begins has not come.
+//! - *Where a hand is in an activity* is the set of its places (`places`). What takes less than twice as long as a gap may have come in it. An IU
+//!   that may not have happened leaves the places before it, and its frames count as hidden until it is certain.
+//! - *What has come of a job* lies between what was judged and that with what may have come unseen (`progress`). Unseen may have come what was hidden
+//!   for half as long as the quickest person needs. So may what came before the first frame, and what a part that was never seen is used for. A fault
+//!   needs the wider end, a right job the narrower one. What lies where the job begins has not come.
 //! - *A measure* lies between what was seen and that with what fits into the gaps (`observation`). It is wrong if all of it is out of its bounds.
 //! - *A DTW distance* over a gap is the least that any motion there could have led to. An IU of which less than half was measured is never right. One
 //!   of which fewer frames were captured than the job needs ([`Job::min_captured`]) is neither right nor wrong.
@@ -82,7 +82,6 @@ use crate::job::{Job, NominalIu};
 use crate::segment::{self, JobSegmenter, Start};
 use crate::verdict::Verdict;
 use hand::HandJudge;
-use hand_doubt::HandFlags;
 use occlusion::OcclusionLog;
 use progress::Progress;
 use twice::Twice;
@@ -343,7 +342,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             let hands = bench.hands.iter_mut().zip(&couples.hands);
             hands
                 .filter(|(_, couple)| !couple.is_hand_seen())
-                .for_each(|(hand, _)| hand.doubt.flags |= HandFlags::REMAINDER);
+                .for_each(|(hand, _)| hand.doubt.may_be_remainder = true);
         }
         if couples.lacks(Unseen::MOVER) {
             bench.progress.set_moved_unseen();
@@ -405,7 +404,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         self.finish(emit);
         self.segmenter.set_between_jobs(false);
         let Bench { hands, progress } = &mut self.bench;
-        hands.iter_mut().for_each(|hand| hand.doubt.flags.put(HandFlags::BROKEN_OFF, false));
+        hands.iter_mut().for_each(|hand| hand.is_broken_off = false);
         progress.is_broken_off = false;
     }
 

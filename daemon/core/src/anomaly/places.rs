@@ -12,17 +12,6 @@ const _: () = assert!(ACTIVITY_IUS < u64::BITS as usize);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Places(u64);
 
-/// How the IUs before a change of context are known.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Transition {
-    /// For how many frames IUs may have come and gone unseen since the newest IU began.
-    pub(super) hidden: u32,
-    /// The newest IU itself may not have happened.
-    pub(super) was_doubtful: bool,
-    /// The IU that begins may not happen.
-    pub(super) is_doubtful: bool,
-}
-
 impl Places {
     pub(super) const NONE: Self = Self(0);
 
@@ -52,28 +41,21 @@ impl Places {
         Self(self.0 | other.0)
     }
 
-    /// The places after an IU with this context has begun. With `allows_insertions` it may be one that is not among the nominal IUs.
+    /// The places after an IU with this context has begun, where IUs may have come and gone in as many hidden frames before it. With
+    /// `allows_insertions` it may be one that is not among the nominal IUs.
     pub(super) fn step(
         self,
         nominal: &[NominalIu<'_>],
         allows_insertions: bool,
         context: Context,
-        transition: Transition,
+        hidden: u32,
     ) -> Self {
-        let before = self.or_later(transition.hidden, nominal);
-        if transition.is_doubtful {
-            let happened = Transition { is_doubtful: false, ..transition };
-            return before.or(self.step(nominal, allows_insertions, context, happened));
-        }
+        let before = self.or_later(hidden, nominal);
         let has_context = |index: usize| nominal[index].context == context;
         let next = (0..nominal.len()).filter(|index| before.contains(*index) && has_context(*index));
-        // After an IU that may not have happened, the one before it may go on. So may one that was not seen for a while.
-        let going_on = match transition {
-            Transition { was_doubtful: true, .. } => before,
-            Transition { hidden: 0, .. } => Self::NONE,
-            _ => self,
-        };
-        let same = (0..nominal.len()).filter(|index| going_on.contains(index + 1) && has_context(*index));
+        // What was not seen for a while may go on.
+        let is_same = |index: &usize| hidden > 0 && self.contains(index + 1) && has_context(*index);
+        let same = (0..nominal.len()).filter(is_same);
         let inserted = (0..=nominal.len()).filter(|ius| {
             allows_insertions
                 && before.contains(*ius)
@@ -187,8 +169,8 @@ mod tests {
     use std::string::String;
     use std::vec::Vec;
 
-    const SEEN: Transition = Transition { hidden: 0, was_doubtful: false, is_doubtful: false };
-    const HIDDEN: Transition = Transition { hidden: u32::MAX, ..SEEN };
+    const SEEN: u32 = 0;
+    const HIDDEN: u32 = u32::MAX;
 
     fn context(letter: char) -> Context {
         Context([1, letter as u16, 0, 0])
@@ -208,13 +190,11 @@ mod tests {
     }
 
     /// The places after these IUs of `gpgr`.
-    fn after(hidden: u32, ius: &[(char, Transition)]) -> u64 {
+    fn after(hidden: u32, ius: &[(char, u32)]) -> u64 {
         let nominal = nominal("gpgr");
         let begin = Places::new(hidden, &nominal);
         ius.iter()
-            .fold(begin, |places, (letter, transition)| {
-                places.step(&nominal, false, context(*letter), *transition)
-            })
+            .fold(begin, |places, (letter, hidden)| places.step(&nominal, false, context(*letter), *hidden))
             .0
     }
 
@@ -252,14 +232,6 @@ mod tests {
     }
 
     #[test]
-    fn an_iu_that_may_not_have_happened_changes_nothing_for_certain() {
-        let doubtful = Transition { is_doubtful: true, ..HIDDEN };
-        let behind = Transition { was_doubtful: true, ..SEEN };
-        assert_eq!(after(0, &[('g', SEEN), ('p', SEEN), ('x', doubtful), ('p', behind)]), 1 << 2);
-        assert_eq!(after(0, &[('g', SEEN), ('x', doubtful), ('y', behind)]), 0);
-    }
-
-    #[test]
     fn an_iu_that_was_not_seen_for_a_while_may_go_on() {
         assert_eq!(after(0, &[('g', SEEN), ('p', SEEN), ('p', HIDDEN)]), 1 << 2);
         assert_eq!(after(0, &[('g', SEEN), ('p', SEEN), ('p', SEEN)]), 0);
@@ -279,15 +251,6 @@ mod tests {
         }
     }
 
-    /// What an observation may leave of a place: fewer frames hidden, or less doubt.
-    fn observed() -> impl Strategy<Value = (Transition, Transition)> {
-        (0..200u32, 0..200u32, any::<[bool; 4]>()).prop_map(|(hidden, more, [was, is, adds_was, adds_is])| {
-            let less = Transition { hidden, was_doubtful: was, is_doubtful: is };
-            let hidden = hidden.saturating_add(more);
-            (less, Transition { hidden, was_doubtful: was || adds_was, is_doubtful: is || adds_is })
-        })
-    }
-
     fn taught() -> impl Strategy<Value = Vec<NominalIu<'static>>> {
         prop::collection::vec((0..4u16, 1..60u32), 1..8).prop_map(|ius| {
             let letters: String = ius.iter().map(|(letter, _)| char::from(b'g' + *letter as u8)).collect();
@@ -304,22 +267,22 @@ mod tests {
         fn whoever_sees_less_loses_no_place(
             nominal in taught(),
             (places, others) in any::<(u64, u64)>(),
-            (less, more) in observed(),
+            (less, more) in (0..200u32, 0..200u32).prop_map(|(hidden, more)| (hidden, hidden + more)),
             letter in 0..5u16,
             allows_insertions: bool,
         ) {
             let context = if letter == 4 { Context::IDLE } else { context(char::from(b'g' + letter as u8)) };
             let all = (1 << (nominal.len() + 1)) - 1;
             let (narrow, wide) = (Places(places & all), Places((places | others) & all));
-            let step = |places: Places, transition| places.step(&nominal, allows_insertions, context, transition);
+            let step = |places: Places, hidden| places.step(&nominal, allows_insertions, context, hidden);
             prop_assert!(step(narrow, less).is_within(step(wide, more)));
             let resume = |places: Places, hidden| places.resume(hidden, &nominal, context);
-            prop_assert!(resume(narrow, less.hidden).is_within(resume(wide, more.hidden)));
+            prop_assert!(resume(narrow, less).is_within(resume(wide, more)));
             prop_assert!(narrow.or(Places(others & all)).is_within(wide.or(Places(others & all))));
             prop_assert!(narrow.before_end(&nominal).is_within(wide.before_end(&nominal)));
             prop_assert!(narrow.after_idle(&nominal).is_within(wide.after_idle(&nominal)));
-            prop_assert!(Places::new(less.hidden, &nominal).is_within(Places::new(more.hidden, &nominal)));
-            prop_assert!(!narrow.may_be_complete(&nominal, less.hidden) || wide.may_be_complete(&nominal, more.hidden));
+            prop_assert!(Places::new(less, &nominal).is_within(Places::new(more, &nominal)));
+            prop_assert!(!narrow.may_be_complete(&nominal, less) || wide.may_be_complete(&nominal, more));
         }
     }
 }

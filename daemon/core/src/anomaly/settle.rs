@@ -2,7 +2,6 @@
 
 use super::comparison::Memory;
 use super::hand::{Finding, HandJudge};
-use super::hand_doubt::HandFlags;
 use super::observation::IuFlags;
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
@@ -83,7 +82,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             let mut continuations = activity.continuations(job);
             // The job has its verdict, so a touch begins another activity, which may be the remainder of this one.
             if progress.is_concluded() {
-                self.doubt.flags |= HandFlags::REMAINDER.when(!continuations.is_empty());
+                self.doubt.may_be_remainder |= !continuations.is_empty();
                 continuations.clear();
             }
             segmenter.activity_matched(&self.by_this_hand(continuations));
@@ -135,7 +134,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             Some(nominal) => self.conclude_matched(nominal, false, progress),
             // What is missing may have happened unseen, and the activity may have been another one, or may still go on.
             None if may_go_on && !activity.is_concluded => {
-                self.doubt.flags |= HandFlags::REMAINDER;
+                self.doubt.may_be_remainder = true;
                 progress.set_doubtful();
                 self.conclude_activity(Finding::of(Outcome::NotJudged, cause, nearest), false, progress);
             }
@@ -145,7 +144,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             }
         }
         self.activity = None;
-        self.doubt.flags.put(HandFlags::BROKEN_OFF, false);
+        self.is_broken_off = false;
         progress.set_waiting(self.side, None);
         progress.set_underway(self.side, ActivitySet::EMPTY, Some(ActivitySet::EMPTY));
     }
