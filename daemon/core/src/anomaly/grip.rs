@@ -4,7 +4,7 @@
 //! farther than that does.
 //!
 //! While a touch that moves nothing was a step, 9 of 60 right runs by feel were accused. With a hand lost for two seconds it was 15 of 120. Before what
-//! was done could be put right, it was 9 of 90. Now 5 of 90 are, and 6 of 180 with such a hand.
+//! was done could be put right, it was 9 of 90. Now 2 of 45 are, and 3 of 90 with such a hand.
 
 use super::comparison::Memory;
 use super::hand::{Finding, HandJudge};
