@@ -1,4 +1,4 @@
-//! Sets of activities, of objects, of what was not seen and of what may be so.
+//! Sets of activities, of objects, and of what was not seen.
 
 use crate::capacity::{ACTIVITIES, OBJECTS};
 use core::marker::PhantomData;
@@ -21,7 +21,7 @@ pub type ActivitySet = Set<Activities>;
 /// A set of objects, each given by its index among those that an encoder follows ([`Couples::objects`](crate::couple::Couples)).
 pub type ObjectSet = Set<Objects>;
 
-/// A set of numbers of one kind, or of named flags. All are below [`ACTIVITIES`] and [`OBJECTS`], which are equal; others are left out.
+/// A set of numbers of one kind. All are below [`ACTIVITIES`] and [`OBJECTS`], which are equal; others are left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Set<Of>(u32, PhantomData<Of>);
 
@@ -77,12 +77,8 @@ impl<Of: Copy> Set<Of> {
 
     /// Makes this number a member, or none.
     pub(crate) fn set(&mut self, number: usize, is_member: bool) {
-        self.put(Self::of(number), is_member);
-    }
-
-    /// Makes all of these members, or none of them.
-    pub(crate) fn put(&mut self, these: Self, are_members: bool) {
-        *self = self.without(these) | these.when(are_members);
+        let one = Self::of(number);
+        *self = if is_member { *self | one } else { self.without(one) };
     }
 
     /// The members in ascending order.

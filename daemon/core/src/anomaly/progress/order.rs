@@ -114,13 +114,8 @@ impl Progress<'_> {
         let begun_later =
             self.state.underway[other].without(self.tried() | self.state.begins[side.index()].may_have_begun);
         let delay_ns = self.known_ns.saturating_sub(self.now_ns);
-        if other_ns > ns.saturating_add(delay_ns) {
-            begun_later
-        } else if other_ns > ns {
-            begun_later & law.after_end
-        } else {
-            ActivitySet::EMPTY
-        }
+        begun_later.when(other_ns > ns.saturating_add(delay_ns))
+            | (begun_later & law.after_end).when(other_ns > ns)
     }
 
     /// What the other hand was in the middle of when this one began, and still is, if that is certain.
