@@ -4,7 +4,7 @@ use super::activity::{Against, OpenActivity, Remainder, Step, context_reason};
 use super::comparison::Memory;
 use super::hand::{Finding, HandJudge, OpenIu};
 use super::interrupted::Interrupted;
-use super::observation::{IuFlags, IuObservation};
+use super::observation::IuObservation;
 use super::occlusion::{Cause, OcclusionLog, too_few_frames};
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
@@ -52,7 +52,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress.count_occluded(couple, frames, hidden > 0);
         self.note_never_seen(progress);
         // An IU that began in doubt is confirmed elsewhere.
-        let is_certain = self.doubt.is_certain() && (self.iu.is_none() || self.iu_has(IuFlags::CERTAIN));
+        let is_certain = self.doubt.is_certain() && self.iu.is_none_or(|iu| iu.is_certain);
         if let Some(activity) = &mut self.activity {
             activity.add_hidden(self.doubt.hidden_lately());
             if is_certain {
@@ -89,12 +89,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             ended_ns: None,
             observation: IuObservation {
                 gap_before: self.doubt.gap(),
-                flags: IuFlags::MAY_BE_PART.when(may_be_part)
-                    | IuFlags::HAS_RESTED.when(!context.is_pair())
-                    | IuFlags::CERTAIN.when(!is_doubtful),
+                may_be_part,
+                has_rested: !context.is_pair(),
                 ..IuObservation::default()
             },
             measured: None,
+            is_certain: !is_doubtful,
+            is_concluded: false,
         });
         self.judge_context(couple, progress);
     }
@@ -102,9 +103,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// The open IU began in doubt. Once it is certain that it has happened, its context is judged.
     fn confirm_iu(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         let (Some(iu), Some(activity)) = (&mut self.iu, &mut self.activity) else { return };
-        iu.observation.flags |= IuFlags::CERTAIN;
+        iu.is_certain = true;
         activity.confirm_iu(progress.job, iu.observation.frames);
-        if self.comparisons.is_empty() && iu.context.is_touch() && !iu.observation.has(IuFlags::CONCLUDED) {
+        if self.comparisons.is_empty() && iu.context.is_touch() && !iu.is_concluded {
             self.judge_context(couple, progress);
         }
     }
@@ -141,7 +142,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let agreeing: ActivitySet = newest.clone().map(|(nominal, _)| nominal).collect();
         let is_inserted = activity.agree(job, progress.has_parts_of(context));
         // An IU that has certainly happened agrees with no other.
-        if self.iu.is_some_and(|iu| iu.observation.has(IuFlags::CERTAIN)) {
+        if self.iu.is_some_and(|iu| iu.is_certain) {
             activity.keep(agreeing | activity.agreeing);
         }
         if is_inserted {
@@ -188,7 +189,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// Gives the verdict on an IU whose context is wrong, as soon as it is certain that the IU has happened.
     fn conclude_context(&mut self, couple: &Couple, reason: Reason, progress: &mut Progress<'a>) {
-        let is_certain = self.iu_has(IuFlags::CERTAIN);
+        let is_certain = self.is_iu_certain();
         let Some(activity) = &mut self.activity else { return };
         // What else lies there has not been seen for long enough either.
         let may_be_right = self.doubt.is_object_new() || activity.may_be_right();
@@ -205,14 +206,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// Takes the next filtered motion of the open IU.
     pub(super) fn push_motion(&mut self, motion: &Motion, progress: &mut Progress<'a>) {
-        if self.iu.is_some() && !self.iu_has(IuFlags::CONCLUDED) && self.comparisons.append(motion).is_err() {
+        if self.iu.is_some_and(|iu| !iu.is_concluded) && self.comparisons.append(motion).is_err() {
             self.conclude_unjudged(Reason::Overload, progress);
         }
     }
 
     /// The motion of the next frames of the open IU is not known.
     pub(super) fn skip_motion(&mut self) {
-        if self.iu.is_some() && !self.iu_has(IuFlags::CONCLUDED) {
+        if self.iu.is_some_and(|iu| !iu.is_concluded) {
             self.comparisons.append_unknown();
         }
     }
@@ -225,22 +226,21 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         } else {
             self.occlusions.count(couple);
         }
-        if !self.doubt.is_doubtful() && self.iu.is_some() && !self.iu_has(IuFlags::CERTAIN) {
+        if !self.doubt.is_doubtful() && self.iu.is_some_and(|iu| !iu.is_certain) {
             self.confirm_iu(couple, progress);
         }
-        let Some(iu) = self.iu.as_mut().filter(|iu| !iu.observation.has(IuFlags::CONCLUDED)) else { return };
+        let Some(iu) = self.iu.as_mut().filter(|iu| !iu.is_concluded) else { return };
         iu.observation.push(couple, measures, self.has_other);
         // While the hand is hidden, the IU may have ended already.
         iu.observation.gap_after = if couple.lacks(Unseen::CONTEXT) { self.doubt.gap() } else { 0 };
         let Some(iu) = self.iu else { return };
-        let is_certain = iu.observation.has(IuFlags::CERTAIN);
         let candidates = self.activity.as_ref().map_or(ActivitySet::EMPTY, OpenActivity::candidates);
         if !couple.is_in_sight() {
             self.conclude_unseen(progress);
-        } else if iu.context.is_release() && (is_certain || !candidates.is_empty()) {
+        } else if iu.context.is_release() && (iu.is_certain || !candidates.is_empty()) {
             // It has no motion of a hand and may last for any time, so its context decides.
             self.conclude_right(None, progress);
-        } else if is_certain && !self.doubt.is_doubtful() && self.is_certainly_wrong(iu.observation) {
+        } else if iu.is_certain && !self.doubt.is_doubtful() && self.is_certainly_wrong(iu.observation) {
             self.decide_by_motion(iu.observation, progress);
         }
     }
@@ -258,7 +258,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// Whether the two parts of the open IU were shown to rest beside each other, and have only moved so far.
     fn may_pass(&self, observation: IuObservation) -> bool {
-        self.iu.is_some_and(|iu| !iu.observation.has(IuFlags::HAS_RESTED))
+        self.iu.is_some_and(|iu| !iu.observation.has_rested)
             && observation.measures.reversals == 0
             && self.comparisons.were_shown_at_rest()
     }
@@ -279,21 +279,20 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if let Some(open) = &mut self.iu {
             open.ended_ns = Some(iu.ended_ns);
             let open = *open;
-            let is_concluded = open.observation.has(IuFlags::CONCLUDED);
-            let is_certain = open.observation.has(IuFlags::CERTAIN) && !self.doubt.is_doubtful();
-            let may_be_part = self.is_broken_off || !is_certain;
+            let is_certain = open.is_certain && !self.doubt.is_doubtful();
             let observation = IuObservation {
                 frames: iu.frames,
                 measured: iu.measured,
                 measures: iu.measures,
                 gap_after: self.doubt.gap(),
-                flags: open.observation.flags | IuFlags::ENDED | IuFlags::MAY_BE_PART.when(may_be_part),
+                ended: true,
+                may_be_part: open.observation.may_be_part || self.is_broken_off || !is_certain,
                 ..open.observation
             };
-            if observation.gap_after > 0 && !is_concluded {
+            if observation.gap_after > 0 && !open.is_concluded {
                 self.comparisons.append_unknown();
             }
-            if self.gives_up(observation, next, progress) || is_concluded {
+            if self.gives_up(observation, next, progress) || open.is_concluded {
                 // It was no IU, or has its verdict.
             } else if next == Some(Context::IDLE) && self.may_be_interrupted(progress) {
                 self.interrupted = Some(Interrupted { open, observation, iu: *iu });
@@ -327,7 +326,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// The IU is over, and has its verdict.
     pub(super) fn close_iu(&mut self, iu: &Iu, progress: &mut Progress<'a>) {
-        if self.iu_has(IuFlags::CERTAIN) {
+        if self.is_iu_certain() {
             self.compare_but_for_part(iu, progress);
         }
         self.iu = None;
@@ -350,7 +349,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             return;
         }
         let Some(nearest) = self.comparisons.nearest(observation) else {
-            let is_certain = self.iu_has(IuFlags::CERTAIN);
+            let is_certain = self.is_iu_certain();
             let cause = if is_certain { Reason::Unknown.into() } else { self.unseen_cause(progress) };
             self.conclude_unjudged(cause, progress);
             return;
@@ -378,7 +377,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// The open IU is right: nominal activities of which it is certainly no IU are no candidates any more. The motion does not say where in one the
     /// hand is. Bounds are those of few people, and a place that they rule out would make the next context wrong.
     fn keep_right(&mut self, observation: IuObservation) {
-        let is_certain = self.iu_has(IuFlags::CERTAIN);
+        let is_certain = self.is_iu_certain();
         let Some(activity) = self.activity.as_mut().filter(|activity| !activity.candidates().is_empty())
         else {
             return;

@@ -7,7 +7,7 @@
 //! An IU of two parts may then have ended in one of the five frames before its last: the nearest of these six counts. Of 144 jobs of
 //! `learn_two_hands.rs` (`Workshop`) 139 are right without this and 141 with it.
 
-use super::observation::{HIDDEN_SLACK, IuFlags, IuObservation};
+use super::observation::{HIDDEN_SLACK, IuObservation};
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Motion};
 use crate::dtw::{LocalCosts, OnlineDtw, Refused};
@@ -227,11 +227,11 @@ fn result(
     rate_hz: f32,
 ) -> ComparisonResult {
     let NominalIu { frames, reference, threshold, .. } = *comparison.iu;
-    let whole = dtw.distance().filter(|_| observation.has(IuFlags::ENDED) && !comparison.is_lost);
+    let whole = dtw.distance().filter(|_| observation.ended && !comparison.is_lost);
     let distance = whole.unwrap_or_else(|| dtw.lower_bound());
     let distance = comparison.newest.into_iter().skip(1).fold(distance, f64::min);
     // An open IU may still become as slow as the bounds allow.
-    let length = if observation.has(IuFlags::ENDED) { observation.worked_frames() } else { frames.max };
+    let length = if observation.ended { observation.worked_frames() } else { frames.max };
     let length = length.saturating_add(2 * u32::from(job.has_free_ends));
     let threshold = threshold * slowdown_factor(length, reference.len(), job.max_slowdown);
     let reason_of = |broken: Option<(Reason, Measure)>, threshold: f32| match broken {

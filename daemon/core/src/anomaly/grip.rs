@@ -8,7 +8,7 @@
 
 use super::comparison::Memory;
 use super::hand::{Finding, HandJudge};
-use super::observation::{IuFlags, IuObservation};
+use super::observation::IuObservation;
 use super::progress::Progress;
 use crate::couple::Context;
 use crate::input::Side;
@@ -61,9 +61,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress: &mut Progress<'a>,
     ) -> bool {
         let Some((open, activity)) = self.iu.zip(self.activity.as_ref()) else { return false };
-        let is_whole =
-            observation.assumed == 0 && observation.hidden() == 0.0 && !observation.has(IuFlags::MAY_BE_PART);
-        let is_seen = is_whole && !open.observation.has(IuFlags::CONCLUDED);
+        let is_whole = observation.assumed == 0 && observation.hidden() == 0.0 && !observation.may_be_part;
+        let is_seen = is_whole && !open.is_concluded;
         let is_first = open.number == 0 && !activity.is_concluded;
         let is_no_step = match next {
             Some(next) if next != Context::IDLE => self.comparisons.has_moved_nothing(observation),

@@ -5,7 +5,7 @@ use super::comparison::{ComparisonResult, Comparisons, Memory};
 use super::grip::LastIu;
 use super::hand_doubt::HandDoubt;
 use super::interrupted::Interrupted;
-use super::observation::{IuFlags, IuObservation};
+use super::observation::IuObservation;
 use super::occlusion::{Cause, OcclusionLog};
 use super::progress::Progress;
 use crate::config::Method;
@@ -26,6 +26,10 @@ pub(super) struct OpenIu {
     pub(super) observation: IuObservation,
     /// The measure that is out of its bounds, once that was decided.
     pub(super) measured: Option<Measured>,
+    /// It was seen well enough that it has happened.
+    pub(super) is_certain: bool,
+    /// It has its verdict.
+    pub(super) is_concluded: bool,
 }
 
 /// Judges the activities of one hand. How it decides on an IU is in `algorithm`, and on an activity in `settle`.
@@ -125,7 +129,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn is_resting(&self) -> bool {
         let is_untaught = self.activity.as_ref().is_some_and(|activity| activity.step == Step::Untaught);
         let may_rest = |iu: OpenIu| is_untaught || iu.context.is_release();
-        self.iu.is_none_or(|iu| iu.observation.has(IuFlags::CONCLUDED) && may_rest(iu))
+        self.iu.is_none_or(|iu| iu.is_concluded && may_rest(iu))
     }
 
     /// This couple shows the hand at a step of the job.
@@ -143,9 +147,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         })
     }
 
-    /// Any of these is so of the open IU.
-    pub(super) fn iu_has(&self, flags: IuFlags) -> bool {
-        self.iu.is_some_and(|iu| iu.observation.has(flags))
+    /// An IU is open, and has certainly happened.
+    pub(super) fn is_iu_certain(&self) -> bool {
+        self.iu.is_some_and(|iu| iu.is_certain)
     }
 
     /// Everything that is open has its verdict.
@@ -225,10 +229,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             return;
         }
         let (Some(iu), Some(activity)) = (&mut self.iu, &mut self.activity) else { return };
-        if iu.observation.has(IuFlags::CONCLUDED) {
+        if iu.is_concluded {
             return;
         }
-        iu.observation.flags |= IuFlags::CONCLUDED;
+        iu.is_concluded = true;
         let finding = if is_wrong && cannot_accuse { Finding::right(None) } else { finding };
         let Finding { outcome, cause, nominal, result } = finding;
         let measured = iu.measured.filter(|_| outcome != Outcome::Ok);

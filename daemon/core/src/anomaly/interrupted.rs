@@ -6,7 +6,7 @@
 use super::activity::{Against, Step};
 use super::comparison::Memory;
 use super::hand::{HandJudge, OpenIu};
-use super::observation::{IuFlags, IuObservation};
+use super::observation::IuObservation;
 use super::progress::Progress;
 use crate::couple::Context;
 use crate::segment::Iu;
@@ -28,7 +28,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let is_at_end = !activity.may_have_come(progress.job).is_empty()
             || activity.matched(self.side, progress).is_some();
         is_of_step
-            && open.observation.has(IuFlags::CERTAIN)
+            && open.is_certain
             && open.context.is_touch()
             && !activity.is_concluded
             && !is_at_end

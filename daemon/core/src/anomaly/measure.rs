@@ -1,6 +1,6 @@
 //! Which measure of an IU is not right.
 
-use super::observation::{ENDS, HIDDEN_SLACK, IuFlags, IuObservation};
+use super::observation::{ENDS, HIDDEN_SLACK, IuObservation};
 use crate::bounds::Around;
 use crate::job::{MeasureBounds, NominalIu, Shown};
 use crate::segment::{MOVED_M, Measures};
@@ -57,7 +57,7 @@ impl IuObservation {
         };
         if let Some(measure) = too_long {
             return Some((Reason::TooLong, measure));
-        } else if !self.has(IuFlags::ENDED) {
+        } else if !self.ended {
             return None;
         }
         let unseen = |count: u32| if may_be_hidden { count } else { 0 };
@@ -196,14 +196,14 @@ mod tests {
         };
         let broken = |gap: u32| {
             let measures = Measures { hidden: 0.03, ..Measures::default() };
-            let (gap_before, gap_after, flags) = (gap, gap, IuFlags::ENDED);
+            let (gap_before, gap_after, ended) = (gap, gap, true);
             let observation = IuObservation {
                 frames: 12,
                 assumed: 2,
                 measures,
                 gap_before,
                 gap_after,
-                flags,
+                ended,
                 ..IuObservation::default()
             };
             observation.broken(&iu, true)

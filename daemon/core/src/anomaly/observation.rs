@@ -3,29 +3,10 @@
 use super::occlusion::percent;
 use crate::couple::{Couple, Unseen, Visibility, Waiting};
 use crate::segment::{FRAMES_PER_REVERSAL, Measures};
-use crate::set::Set;
 use crate::verdict::Reason;
 
 /// How far a bound gives way, as a multiple of the unseen share of the IU. Hidden motion may have been twice as fast as seen motion.
 pub(super) const HIDDEN_SLACK: f32 = 2.0;
-
-/// What is so of an IU, or may be because not all was seen.
-pub(super) type IuFlags = Set<IuObservation>;
-
-impl IuFlags {
-    /// It has ended.
-    pub(super) const ENDED: Self = Self::of(0);
-    /// Its beginning or its end may be that of another stretch: the IU may be a part of one.
-    pub(super) const MAY_BE_PART: Self = Self::of(1);
-    /// What was not seen of it may have been something else.
-    pub(super) const DOUBTFUL: Self = Self::of(2);
-    /// Its first part was at rest in some frame, or it has no two parts.
-    pub(super) const HAS_RESTED: Self = Self::of(3);
-    /// It was seen well enough that it has happened.
-    pub(super) const CERTAIN: Self = Self::of(4);
-    /// It has its verdict.
-    pub(super) const CONCLUDED: Self = Self::of(5);
-}
 
 /// How long the IU is, what it measures, and what was not seen of it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,11 +23,18 @@ pub(super) struct IuObservation {
     /// In how many frames a part of it was not seen, even where it was assumed.
     pub(super) assumed: u32,
     pub(super) measures: Measures,
+    /// It has ended.
+    pub(super) ended: bool,
     /// It may have begun as many frames earlier.
     pub(super) gap_before: u32,
     /// It may have ended as many frames earlier.
     pub(super) gap_after: u32,
-    pub(super) flags: IuFlags,
+    /// Its beginning or its end may be that of another stretch: the IU may be a part of one.
+    pub(super) may_be_part: bool,
+    /// What was not seen of it may have been something else.
+    pub(super) is_doubtful: bool,
+    /// Its first part was at rest in some frame, or it has no two parts.
+    pub(super) has_rested: bool,
 }
 
 /// The ends of an IU, and of a way: its beginning and its end.
@@ -57,11 +45,6 @@ pub(super) const ENDS: u32 = 2;
 const MAX_ASSUMED: f32 = 0.25;
 
 impl IuObservation {
-    /// Whether any of these is so.
-    pub(super) fn has(&self, flags: IuFlags) -> bool {
-        self.flags.intersects(flags)
-    }
-
     /// One frame more, with the measures so far; `has_other` is whether there is another hand to wait for.
     pub(super) fn push(&mut self, couple: &Couple, measures: Measures, has_other: bool) {
         let waits = |waiting: Waiting| has_other && couple.waiting == waiting;
@@ -73,8 +56,8 @@ impl IuObservation {
         self.measured = self.measured.saturating_add(couple.motion.is_some().into());
         self.assumed = self.assumed.saturating_add(is_assumed.into());
         self.measures = measures;
-        let rests = couple.motion.is_some_and(|motion| motion.is_pair_at_rest());
-        self.flags |= IuFlags::HAS_RESTED.when(rests) | IuFlags::DOUBTFUL.when(couple.lacks(Unseen::CHANGE));
+        self.has_rested |= couple.motion.is_some_and(|motion| motion.is_pair_at_rest());
+        self.is_doubtful |= couple.lacks(Unseen::CHANGE);
     }
 
     /// How many of a hundred frames were captured; `None` before the first.
@@ -136,8 +119,8 @@ impl IuObservation {
     pub(super) fn explains(&self, reason: Reason, is_unique: bool) -> bool {
         match reason {
             Reason::None => false,
-            Reason::TooShort => self.has(IuFlags::MAY_BE_PART),
-            _ => self.has(IuFlags::MAY_BE_PART | IuFlags::DOUBTFUL.when(!is_unique)),
+            Reason::TooShort => self.may_be_part,
+            _ => self.may_be_part || self.is_doubtful && !is_unique,
         }
     }
 }

@@ -2,7 +2,6 @@
 
 use super::comparison::Memory;
 use super::hand::{Finding, HandJudge};
-use super::observation::IuFlags;
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
 use crate::couple::Context;
@@ -18,7 +17,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &mut self.activity else { return };
         let candidates = activity.candidates();
         let is_order_certain = activity.is_order_certain();
-        let is_certain = is_order_certain || self.iu.is_some_and(|iu| iu.observation.has(IuFlags::CERTAIN));
+        let is_certain = is_order_certain || self.iu.is_some_and(|iu| iu.is_certain);
         // A hand that was not shown to do it may only rest there. What may be no step has its place in the order all the same.
         let has_no_place = cannot_accuse && !activity.may_be_passive || candidates.is_empty();
         if activity.is_concluded || has_no_place || !is_certain || may_give_up {
