@@ -204,8 +204,7 @@ impl Table {
         match compared {
             Ok([old, new]) => {
                 self.add(&chain.paths, &old.files, &new.files);
-                self.frames.add_all(old.frames);
-                // Where no job was in force only the new one has judged.
+                // The other job judges every frame, also where none was in force.
                 self.frames.add_all(new.frames);
             }
             Err(why) => {
