@@ -17,7 +17,7 @@ pub struct ImageView<'a> {
 }
 
 /// Maximum width and height: 8K cameras. It keeps every index within `i32`, which OpenCV counts in.
-const MAX_SIDE_PX: usize = 8192;
+pub const MAX_SIDE_PX: usize = 8192;
 
 impl<'a> ImageView<'a> {
     /// `stride` is the number of bytes from one row to the next; `data` holds all planes, at least `height * stride` bytes.

@@ -38,7 +38,7 @@ pub use detections::Detections;
 pub use dictionary::Dictionary;
 pub use error::{PerceptionError, RuntimeFile};
 pub use finder::{FoundObjects, ObjectFinder, SeenObject};
-pub use image::ImageView;
+pub use image::{ImageView, MAX_SIDE_PX};
 pub use perceiver::Perceiver;
 pub use picture::Picture;
 pub use pixel_format::PixelFormat;

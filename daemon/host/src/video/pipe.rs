@@ -3,12 +3,10 @@
 //! Both ends come from the same build on the same machine, so the stream has no version of its own. The magic number only tells a
 //! stream from anything else.
 
+use andon_perception::MAX_SIDE_PX;
 use std::io::{self, Read, Write};
 
 const MAGIC: u32 = 0x4d4c_4946; // "FILM"
-
-/// Largest side of a picture in pixels, twice what a 4K camera sends.
-const MAX_SIDE: u32 = 8192;
 
 /// Size and rate of the pictures of a stream. They have three bytes per pixel, blue first, and no padding.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +44,7 @@ impl<R: Read> PipeReader<R> {
             |at: usize| u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
         let long = |at: usize| u64::from(word(at)) | u64::from(word(at + 4)) << 32;
         let (width, height) = (word(4), word(8));
-        if word(0) != MAGIC || width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+        if word(0) != MAGIC || width == 0 || height == 0 || width.max(height) as usize > MAX_SIDE_PX {
             return Err(io::Error::new(io::ErrorKind::InvalidData, "not a stream of pictures"));
         }
         let format = PictureFormat { width, height, rate_hz: f64::from_bits(long(12)), count: long(20) };
