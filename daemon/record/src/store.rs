@@ -265,8 +265,8 @@ pub fn enforce(folder: &Path, budget: &Budget) -> io::Result<Enforced> {
     let mut kept = Vec::new();
     for Group { recording, beside } in groups(folder)?.into_values() {
         let Some(path) = recording else { continue };
-        let Some((bytes, made_ns)) = size_and_time(&path, &beside)? else { continue };
-        kept.push((path, bytes, made_ns < oldest_ns));
+        let Some((bytes, is_too_old)) = size_and_age(&path, &beside, oldest_ns)? else { continue };
+        kept.push((path, bytes, is_too_old));
     }
     let mut total: u64 = kept.iter().map(|(_, bytes, _)| bytes).sum();
     let mut done = Enforced::default();
@@ -283,12 +283,15 @@ pub fn enforce(folder: &Path, budget: &Budget) -> io::Result<Enforced> {
     Ok(done)
 }
 
-/// The bytes of a recording and of everything beside it, and when it was recorded; `None` where somebody has removed it meanwhile.
-fn size_and_time(recording: &Path, beside: &[PathBuf]) -> io::Result<Option<(u64, u64)>> {
+/// The bytes of a recording and of everything beside it, and whether all of it was recorded before this time; `None` where somebody has removed it
+/// meanwhile.
+fn size_and_age(recording: &Path, beside: &[PathBuf], oldest_ns: u64) -> io::Result<Option<(u64, bool)>> {
     let size = |path: &PathBuf| fs::metadata(path).map(|file| file.len());
     let found = fs::metadata(recording).and_then(|file| {
         let others: u64 = beside.iter().map(size).sum::<io::Result<_>>()?;
-        Ok((file.len() + others, made_utc_ns(recording)?))
+        // It ended after it began, so that only an index of one that began long ago need be read.
+        let began_before = named_utc_ns(recording).is_none_or(|began| began < oldest_ns);
+        Ok((file.len() + others, began_before && made_utc_ns(recording)? < oldest_ns))
     });
     match found {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
