@@ -14,7 +14,6 @@
 
 pub mod disk;
 pub mod index;
-mod jpeg;
 pub mod picture;
 pub mod reader;
 pub mod recorder;

@@ -2,19 +2,16 @@
 
 use andon_host::config::Record;
 use andon_host::video::frame::view;
-use andon_perception::{ImageView, PerceptionError, PixelFormat};
+use andon_perception::{ImageView, MAX_SIDE_PX, PerceptionError, PixelFormat};
 use opencv::core::{BORDER_CONSTANT, CV_8UC1, Mat, Point, Scalar, Size, Vec3b, Vector};
 use opencv::prelude::*;
 use opencv::{imgcodecs, imgproc};
 use prost::Message as _;
 use shm_schemas::FrameHeader;
-use turbojpeg::{Image, Subsamp};
+use turbojpeg::{DecompressHeader, Image, Subsamp, read_header};
 
 use crate::viewer::CompressedImage;
 use crate::writer::Entry;
-
-/// Columns and rows of the largest picture: a frame has no more.
-const LONGEST_SIDE: u32 = 8192;
 
 /// Why a frame has no picture.
 #[derive(Debug, thiserror::Error)]
@@ -30,13 +27,13 @@ pub enum PictureError {
     NoJpeg,
     /// It would take more memory than any picture of a recorder.
     #[error(
-        "it says that it has {width} x {height} pixels, and no recorder writes one of more than {LONGEST_SIDE} x {LONGEST_SIDE}"
+        "it says that it has {width} x {height} pixels, and no recorder writes one of more than {MAX_SIDE_PX} x {MAX_SIDE_PX}"
     )]
     TooLarge {
         /// The columns that it promises.
-        width: u32,
+        width: usize,
         /// The rows that it promises.
-        height: u32,
+        height: usize,
     },
     /// It has more or fewer pixels than its size says.
     #[error("a picture has other pixels than the {width} x {height} that it says")]
@@ -227,8 +224,13 @@ pub fn picture_in(message: &Entry) -> Result<Decoded, PictureError> {
 /// # Errors
 /// Bytes that are no JPEG, and one that is too large, before anything of it is decoded; then what OpenCV says.
 pub fn decode(jpeg: &[u8]) -> Result<Decoded, PictureError> {
-    let [width, height] = crate::jpeg::size(jpeg).ok_or(PictureError::NoJpeg)?;
-    if width.max(height) > LONGEST_SIDE {
+    // By the library with which OpenCV decodes it as well, so that both find the same size.
+    let header = read_header(jpeg).ok();
+    // One of tables alone has no columns.
+    let Some(DecompressHeader { width, height, .. }) = header.filter(|header| header.width > 0) else {
+        return Err(PictureError::NoJpeg);
+    };
+    if width.max(height) > MAX_SIDE_PX {
         return Err(PictureError::TooLarge { width, height });
     }
     let decoded = imgcodecs::imdecode(&Vector::from_slice(jpeg), imgcodecs::IMREAD_COLOR)?;
@@ -401,5 +403,35 @@ mod tests {
         assert!(matches!(decode(b"no picture"), Err(PictureError::NoJpeg)));
         let cut = Decoded { width: 4, height: 4, pixels: vec![0; 47] };
         assert!(matches!(encode(&cut, 80), Err(PictureError::OtherPixels { width: 4, height: 4 })));
+    }
+
+    /// A picture of 48 x 32 pixels, with these bytes after its first marker.
+    fn with(bytes: &[u8]) -> Vec<u8> {
+        let mut jpeg = encode(&Decoded { width: 48, height: 32, pixels: vec![90; 3 * 48 * 32] }, 80).unwrap();
+        jpeg.splice(2..2, bytes.iter().copied());
+        jpeg
+    }
+
+    #[test]
+    fn the_size_is_that_of_the_frame_after_any_other_segments() {
+        const COMMENT: [u8; 7] = [0xff, 0xff, 0xfe, 0, 4, 1, 2];
+        for segments in [&[][..], &COMMENT, &[COMMENT, COMMENT].concat()] {
+            let picture = decode(&with(segments)).unwrap();
+            assert_eq!((picture.width, picture.height), (48, 32));
+        }
+    }
+
+    #[test]
+    fn what_has_no_frame_where_it_must_be_is_no_jpeg() {
+        let is_none = |bytes: &[u8]| matches!(decode(bytes), Err(PictureError::NoJpeg));
+        let whole = with(&[]);
+        let scan = whole.windows(2).position(|marker| marker == [0xff, 0xda]).unwrap();
+        for length in 0..scan {
+            assert!(is_none(&whole[..length]), "{length} bytes of it");
+        }
+        assert!(is_none(&with(&[7])), "something before the marker");
+        assert!(is_none(&with(&[0xff, 0xd9])), "an end before it");
+        assert!(is_none(&with(&[0xff, 0xdb, 0, 1])), "a length that is none");
+        assert!(is_none(b"\x89PNG\r\n"));
     }
 }
