@@ -7,11 +7,12 @@
 //! An IU of two parts may then have ended in one of the five frames before its last: the nearest of these six counts. Of 144 jobs of
 //! `learn_two_hands.rs` (`Workshop`) 139 are right without this and 141 with it.
 
-use super::observation::{HIDDEN_SLACK, IuObservation};
+use super::observation::IuObservation;
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Motion};
 use crate::dtw::{LocalCosts, OnlineDtw, Refused};
 use crate::job::{Job, NominalIu, slowdown_factor};
+use crate::segment::HIDDEN_SLACK;
 use crate::verdict::{Measure, Measured, Reason};
 use heapless::Vec;
 

@@ -1,9 +1,9 @@
 //! Which measure of an IU is not right.
 
-use super::observation::{ENDS, HIDDEN_SLACK, IuObservation};
+use super::observation::{ENDS, IuObservation};
 use crate::bounds::Around;
 use crate::job::{MeasureBounds, NominalIu, Shown};
-use crate::segment::{MOVED_M, Measures};
+use crate::segment::{HIDDEN_SLACK, MOVED_M, Measures};
 use crate::verdict::{Measure, Measured, Reason};
 
 /// A stroke goes to and fro.
@@ -60,10 +60,14 @@ impl IuObservation {
         } else if !self.ended {
             return None;
         }
-        let unseen = |count: u32| if may_be_hidden { count } else { 0 };
         // Where nothing says how large errors are, each end of a stroke may be wrong.
-        let cut_strokes = unseen(if drift_m > 0.0 { self.measures.cut_strokes } else { reversals });
-        let possible = Possible { share, hidden_m, cut_strokes, reversals: unseen(hidden_reversals) };
+        let cut_m = match may_be_hidden {
+            false => 0.0,
+            true if drift_m > 0.0 => self.measures.cut_m,
+            true => reversals as f32 * MOVED_M,
+        };
+        let possible =
+            Possible { share, hidden_m, cut_m, reversals: if may_be_hidden { hidden_reversals } else { 0 } };
         let elsewhere = first(&self.elsewhere_broken(&iu.measures, possible));
         match (too_short(), elsewhere) {
             // Strokes that are small or go across are counted badly.
@@ -97,7 +101,7 @@ impl IuObservation {
         let strokes = (reversals - 1) as f32;
         let sum_m = stroke_m * strokes;
         let seen_m = if possible.reversals > 0 { path_m.max(sum_m) } else { sum_m };
-        let most_m = seen_m * (1.0 + possible.share) + (ENDS * possible.cut_strokes) as f32 * MOVED_M;
+        let most_m = seen_m * (1.0 + possible.share) + ENDS as f32 * possible.cut_m;
         [sum_m / (strokes + possible.reversals as f32), most_m / strokes]
     }
 
@@ -134,8 +138,8 @@ struct Possible {
     share: f32,
     /// Over how long a way, in metres, if it was as fast as anything shown.
     hidden_m: f32,
-    /// At how many reversals the strokes may have been longer.
-    cut_strokes: u32,
+    /// By how much the strokes on one side of all reversals may have been longer, in metres.
+    cut_m: f32,
     /// How often the motion reversed in it.
     reversals: u32,
 }

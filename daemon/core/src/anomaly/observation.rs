@@ -5,9 +5,6 @@ use crate::couple::{Couple, Unseen, Visibility, Waiting};
 use crate::segment::{FRAMES_PER_REVERSAL, Measures};
 use crate::verdict::Reason;
 
-/// How far a bound gives way, as a multiple of the unseen share of the IU. Hidden motion may have been twice as fast as seen motion.
-pub(super) const HIDDEN_SLACK: f32 = 2.0;
-
 /// How long the IU is, what it measures, and what was not seen of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct IuObservation {

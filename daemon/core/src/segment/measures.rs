@@ -8,6 +8,9 @@ use crate::input::Point;
 /// In as many frames in a row that were not seen, a motion may have reversed.
 pub(crate) const FRAMES_PER_REVERSAL: u32 = 4;
 
+/// How far a bound gives way, as a multiple of what was not seen. Hidden motion may have been twice as fast as seen motion.
+pub(crate) const HIDDEN_SLACK: f32 = 2.0;
+
 /// The share of a frame that is missing between two that were seen: what happened in it can still be known.
 const SINGLE_FRAME: f32 = 0.2;
 
@@ -39,8 +42,9 @@ pub struct Measures {
     pub hidden_reversals: u32,
     /// How often it may have reversed in addition because it was seen to come back, and how far was in a frame that is missing.
     pub cut_reversals: u32,
-    /// At how many reversals the frame just before or behind the farthest one that was seen is missing: both strokes may have been longer.
-    pub cut_strokes: u32,
+    /// By how much the strokes before reversals may have been longer in addition, and those behind them as well, in metres. That is so where the frame
+    /// just before or behind the farthest one that was seen is missing. A hand is about to reverse there, so its pace beside that frame bounds it.
+    pub cut_m: f32,
     /// The share of the frames that were not seen, where what happened in them cannot be known; 0 to 1.
     pub hidden: f32,
     /// How far apart two positions may be by drift, in metres; 0 where that is not known.
@@ -66,6 +70,36 @@ enum Gap {
     Beside,
 }
 
+/// Frames that are missing beside the farthest position, and the pace beside them.
+#[derive(Clone, Copy, Debug, Default)]
+struct Beyond {
+    frames: u32,
+    /// How far the motion went in the frame before them or in the one behind them, whichever is more, in metres.
+    pace_m: f32,
+    /// The newest position is the first one behind them.
+    is_open: bool,
+}
+
+impl Beyond {
+    /// With others that are missing as well.
+    fn and(self, other: Self) -> Self {
+        let pace_m = if self.is_open { f32::INFINITY } else { self.pace_m.max(other.pace_m) };
+        Self { frames: self.frames.saturating_add(other.frames), pace_m, ..other }
+    }
+
+    /// Takes the way from the newest position to the next one; infinite across a gap.
+    fn push(&mut self, pace_m: f32) {
+        if core::mem::take(&mut self.is_open) {
+            self.pace_m = self.pace_m.max(pace_m);
+        }
+    }
+
+    /// How far beyond the farthest position the motion may have gone. A hand is about to reverse there, and no faster than twice what was seen.
+    fn most_m(&self) -> f32 {
+        if self.is_open { f32::INFINITY } else { HIDDEN_SLACK * self.frames as f32 * self.pace_m }
+    }
+}
+
 /// Measures an IU frame by frame, in fixed memory.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Meter {
@@ -74,6 +108,9 @@ pub(super) struct Meter {
     known: u32,
     /// Frames without one since the newest position.
     unknown: u32,
+    /// The newest position, and how far it is from the one in the frame before it; infinite where that is not known.
+    newest: Option<Point>,
+    pace_m: f32,
     /// Frames without a position, weighted by what may have happened in them.
     hidden: f32,
     hidden_reversals: u32,
@@ -91,8 +128,10 @@ pub(super) struct Meter {
     /// How far the motion has come back from the farthest position so far, and what was missing since just before that.
     returned_m: f32,
     gap: Gap,
-    /// At how many reversals a frame beside the farthest position was missing.
-    cut_strokes: u32,
+    /// By how much the motion may have gone beyond the farthest position where a frame beside that is missing, in metres.
+    beyond: Beyond,
+    /// The sum of that over the reversals.
+    cut_m: f32,
     reversals: u32,
     /// The sum of the lengths of whole strokes.
     strokes_m: f32,
@@ -109,7 +148,10 @@ impl Meter {
             self.unknown = self.unknown.saturating_add(1);
             return;
         };
-        let is_behind_gap = self.unknown > 0;
+        let missing = self.unknown;
+        let newest = self.newest.replace(position).filter(|_| missing == 0);
+        let pace_m = newest.map_or(f32::INFINITY, |newest| distance(newest, position));
+        self.beyond.push(pace_m);
         self.end_gap();
         self.known = self.known.saturating_add(1);
         for (sum, value) in self.sum.iter_mut().zip(position) {
@@ -120,11 +162,12 @@ impl Meter {
                 (self.began, self.step) = (position, Some(position));
                 (self.reversed, self.farthest) = (position, position);
                 // What comes before it may have been the other way.
-                self.cut_reversals = is_behind_gap.into();
+                self.cut_reversals = (missing > 0).into();
             }
             Some(from) => self.walk(from, position),
         }
-        self.turn(position, is_behind_gap);
+        self.turn(position, missing);
+        self.pace_m = pace_m;
     }
 
     /// Whether no position has been known so far.
@@ -157,10 +200,13 @@ impl Meter {
         self.axis[1] += 2.0 * x * y / step_m;
     }
 
-    /// The motion has reversed at the farthest position once it has come back from there.
-    fn turn(&mut self, position: Point, is_behind_gap: bool) {
-        if is_behind_gap {
-            self.gap = if self.returned_m == 0.0 { Gap::Beside } else { self.gap.max(Gap::Later) };
+    /// The motion has reversed at the farthest position once it has come back from there. `missing` frames have no position just before this one.
+    fn turn(&mut self, position: Point, missing: u32) {
+        let beyond = Beyond { frames: missing, pace_m: self.pace_m, is_open: true };
+        match missing {
+            0 => (),
+            _ if self.returned_m > 0.0 => self.gap = self.gap.max(Gap::Later),
+            _ => self.gap_beside(if self.gap == Gap::Beside { self.beyond.and(beyond) } else { beyond }),
         }
         let length_m = distance(self.reversed, self.farthest);
         if distance(self.reversed, position) > length_m {
@@ -171,14 +217,20 @@ impl Meter {
             // What comes before the first reversal is the way to the first stroke.
             self.strokes_m += if self.reversals > 0 { length_m } else { 0.0 };
             self.reversals = self.reversals.saturating_add(1);
-            self.cut_strokes = self.cut_strokes.saturating_add((self.gap == Gap::Beside).into());
+            self.cut_m += if self.gap == Gap::Beside { self.beyond.most_m().min(MOVED_M) } else { 0.0 };
             (self.reversed, self.farthest) = (self.farthest, position);
         } else {
             self.returned_m = self.returned_m.max(distance(self.farthest, position));
             return;
         }
-        self.returned_m = 0.0;
-        self.gap = if is_behind_gap { Gap::Beside } else { Gap::None };
+        (self.returned_m, self.gap) = (0.0, Gap::None);
+        if missing > 0 {
+            self.gap_beside(beyond);
+        }
+    }
+
+    fn gap_beside(&mut self, beyond: Beyond) {
+        (self.gap, self.beyond) = (Gap::Beside, beyond);
     }
 
     /// Whether the motion may have come back too little to count only because the frame in which it was farthest is missing.
@@ -206,7 +258,7 @@ impl Meter {
             place_m: self.sum.map(|sum| (sum / known) as f32),
             hidden_reversals: ended.hidden_reversals,
             cut_reversals: ended.cut_reversals.saturating_add(ended.may_have_reversed().into()),
-            cut_strokes: self.cut_strokes,
+            cut_m: self.cut_m,
             hidden: (ended.hidden / frames).min(1.0),
             drift_m: self.drift_m,
         }
@@ -319,9 +371,9 @@ mod tests {
             [0.0, 0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.05, 0.04, 0.03, 0.02, 0.01, 0.0, 0.01, 0.02, 0.03];
         let cut = |missing: usize| {
             let seen = far.iter().enumerate().map(|(frame, x)| (frame != missing).then_some([*x, 0.0, 0.0]));
-            measure(seen).cut_strokes
+            measure(seen).cut_m > 0.0
         };
-        let all = [0, 0, 0, 0, 0, 1, 1, 1, 0, 0, 0, 1, 1, 1, 0, 0];
-        assert_eq!(core::array::from_fn(cut), all);
+        let all: Vec<usize> = (0..far.len()).filter(|frame| cut(*frame)).collect();
+        assert_eq!(all, [5, 6, 7, 11, 12, 13]);
     }
 }

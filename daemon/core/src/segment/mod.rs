@@ -8,7 +8,7 @@ mod way;
 
 pub use hand::Segmenter;
 pub use job::JobSegmenter;
-pub(crate) use measures::FRAMES_PER_REVERSAL;
+pub(crate) use measures::{FRAMES_PER_REVERSAL, HIDDEN_SLACK};
 pub use measures::{MOVED_M, Measures};
 
 use crate::couple::{Context, Motion};
