@@ -241,6 +241,14 @@ impl Run {
         if period_s > 0.0 { 1.0 / period_s } else { 0.0 }
     }
 
+    /// How far the two parts of an IU were apart at most, in metres.
+    pub(crate) fn reach_m(&self, iu: &Iu) -> f32 {
+        let couples = self.couples.iter().flat_map(|couples| couples.hands);
+        let shown = couples.filter(|couple| (iu.began_ns..iu.ended_ns).contains(&couple.captured_ns));
+        let apart = shown.filter(|couple| couple.context == iu.context).map(|couple| couple.distances[1]);
+        apart.fold(0.0, f32::max)
+    }
+
     /// How far apart two positions of an object that lies still seem to be at most, in metres, as a rule. 0 where it is not seen in enough frames.
     pub(crate) fn noise_m(&self, id: u16) -> f32 {
         let place =

@@ -45,7 +45,7 @@ impl<'a> Teacher<'a> {
             memory,
             warp: Warp::new(cost),
             tables: Barycentres::new(cost, method.bins),
-            rates: Rates::new(bounds.false_alarms, shown.one_person, &shown.agreement),
+            rates: Rates::new(bounds.false_alarms, shown.people, &shown.agreement),
             ius: Vec::new(),
         }
     }
@@ -93,7 +93,7 @@ impl<'a> Teacher<'a> {
         let rate_hz = f64::from(method.rate_hz);
         let taught = TaughtIu {
             context: iu.context,
-            threshold: learned.threshold(rule, rate_hz, self.shown.one_person, of_motion) as f32,
+            threshold: learned.threshold(rule, rate_hz, &self.shown.people, of_motion) as f32,
             frames: self.frames(sequence, index, strength(Measure::Duration)),
             reversals,
             measures: MeasureBounds { shown: shown.as_ref().map(ShownValues::ranges), ..bounds },
@@ -131,7 +131,7 @@ impl<'a> Teacher<'a> {
             return UNBOUNDED;
         }
         let (min, likely_max) = self.rates.frames(iu, method.rate_hz, strength).unwrap_or_default();
-        let max = max_frames(*bounds, iu, method.rate_hz, likely_max);
+        let max = max_frames(*bounds, iu, method.rate_hz, self.shown.people.variety, likely_max);
         let is_taking = is_taking(&sequence.contexts, index) && !iu.is_repeated();
         Bounds { min: if is_taking { 0 } else { min }, max }
     }
@@ -155,10 +155,11 @@ impl<'a> Teacher<'a> {
     }
 }
 
-/// The maximum duration of an IU in frames of the grid, from `likely_max`, or else from the durations of the demonstrations.
-fn max_frames(rule: BoundsRule, iu: &ShownIu, rate_hz: f32, likely_max: Option<f64>) -> u32 {
+/// The maximum duration of an IU in frames of the grid, from `likely_max`, or else from the durations of the demonstrations. Who differs `variety`
+/// times as much from others as people in general does so in the logarithm of the duration.
+fn max_frames(rule: BoundsRule, iu: &ShownIu, rate_hz: f32, variety: f64, likely_max: Option<f64>) -> u32 {
     let longest = iu.frames.iter().copied().max().unwrap_or_default();
-    let max = rule.max_duration * f64::from(longest);
+    let max = rule.max_duration.powf(variety) * f64::from(longest);
     let max = likely_max.filter(|_| max.is_finite()).unwrap_or(max);
     ((max + rule.pause_s * f64::from(rate_hz)).ceil() as u32).min(IU_FRAMES as u32)
 }
@@ -178,4 +179,17 @@ fn way(sequence: &Sequence, index: usize) -> Option<&[Measures]> {
 /// An IU that cannot be compared; activity and IU by their indices from 0.
 fn iu_error(run: &str, activity: usize, iu: usize, refused: Refused) -> TeachError {
     TeachError::Iu(run.to_owned(), activity + 1, iu + 1, refused)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn people_who_differ_more_may_be_slower() {
+        let rule = BoundsRule { max_duration: 2.0, pause_s: 1.0, ..BoundsRule::NONE };
+        let iu = ShownIu::measuring(Context([1, 5, 0, 0]), &[], &[40, 48]);
+        let frames = |variety| max_frames(rule, &iu, 30.0, variety, None);
+        assert_eq!([frames(1.0), frames(2.0)], [126, 222]);
+    }
 }

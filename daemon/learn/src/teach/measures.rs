@@ -10,7 +10,7 @@
 //! The spread of the lateral deviation that people are given in general was chosen knowing the runs of motion capture. So these do not test it.
 
 use super::kind::{Strokes, is_on_the_way};
-use super::people::{IN_GENERAL, OF_ONE_PERSON, beyond_border, border_frames};
+use super::people::{IN_GENERAL, OF_ONE_PERSON, People, beyond_border, border_frames};
 use super::sequence::{Agreement, ShownIu};
 use super::strength::Strength;
 use crate::job_file::{ShownValues, of_runs};
@@ -18,7 +18,7 @@ use crate::statistics::{mean, median, pooled_freedom, student_t, variance_of_one
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::job::MeasureBounds;
 use andon_core::object::HAND_WIDTH_M;
-use andon_core::segment::Measures;
+use andon_core::segment::{MOVED_M, Measures};
 use andon_core::verdict::Measure;
 
 /// The bounds of a release state: it lasts until the hand comes back, at once or never.
@@ -77,12 +77,12 @@ pub(super) struct Rates {
     place: f64,
     duration: f64,
     pace: f64,
-    one_person: f64,
+    people: People,
 }
 
 impl Rates {
     /// For the IUs of a job.
-    pub(super) fn new(false_alarms: f64, one_person: f64, agreement: &Agreement) -> Self {
+    pub(super) fn new(false_alarms: f64, people: People, agreement: &Agreement) -> Self {
         let rate = |share: f64, has: &dyn Fn(&ShownIu) -> bool| {
             let count = agreement.ius().filter(|iu| iu.context.is_touch() && has(iu)).count();
             false_alarms * share / count.max(1) as f64
@@ -97,7 +97,7 @@ impl Rates {
             place: rate(other, &|iu| iu.context.is_pair()),
             duration: rate(NEAR_SHARE, &|iu| iu.is_timed()),
             pace: rate(other, &|iu| iu.context.is_pair() && iu.is_repeated()),
-            one_person,
+            people,
         }
     }
 
@@ -153,8 +153,8 @@ impl Rates {
         // Right work is near the minimum only, because of the pause, so the whole rate is there.
         let (centre, apart) = self.interval(&durations, prior, 2.0 * rate, strength);
         let least = (centre - apart).exp();
-        // One frame beyond the border may be none.
-        let min = if least < 1.0 { 0 } else { (least + border) as u32 };
+        // One frame beyond the border may be none. Among people who differ more, the quick ones pass the border more quickly, too.
+        let min = if least < 1.0 { 0 } else { (least + border / self.people.variety) as u32 };
         // Who is half as quick takes twice as long for the way.
         Some((min, is_timed.then(|| (centre + apart).exp() + 2.0 * border)))
     }
@@ -172,11 +172,12 @@ impl Rates {
         let usual = usual_reversals(&likely);
         let beyond: Vec<f64> = likely.iter().map(|count| beyond(usual, *count)).collect();
         // How many strokes are right is the same for people who are slow or quick, or make long ones, and for one of them.
-        let (centre, apart) = interval(&beyond, PRIOR_REVERSALS, self.reversals, 0.0, strength);
+        let (centre, apart) =
+            interval(&beyond, PRIOR_REVERSALS, self.reversals, People::IN_GENERAL, strength);
         let [less, more] = [(apart - centre).max(0.0) as u32, (apart + centre).max(0.0) as u32];
         // Where the runs show no reversal more or less at the border, others may. A circle has no ends, so that it may have one at each border.
         let border = if usual.min == usual.max || is_round(&iu.measured) { BORDER_REVERSALS } else { 0 };
-        let less = less.max(border);
+        let less = less.max(border) + self.uncounted(iu);
         let most = counts(likely.iter().copied()).max;
         Bounds { min: usual.min - less.min(usual.min), max: most.max(usual.max + more.max(border)) }
     }
@@ -191,6 +192,18 @@ impl Rates {
         let half = (median(&numbers) / 2.0) as u32 + 1;
         let shown = counts(likely.iter().copied());
         Bounds { min: shown.min.min(half.max(min.ceil() as u32)), max: shown.max.max(max as u32) }
+    }
+
+    /// How many reversals are not counted of the shortest strokes that may be right, where people differ more than people in general. The first and
+    /// the last stroke begin and end in the middle.
+    fn uncounted(&self, iu: &ShownIu) -> u32 {
+        let is_short = self.people.variety > 1.0 && self.stroke_m(iu, Strength::GENERAL).min < 2.0 * MOVED_M;
+        if is_short { 2 * BORDER_REVERSALS } else { 0 }
+    }
+
+    /// The maximum length of a stroke, in metres; `None` where the motion is not a repeated one.
+    pub(super) fn longest_stroke_m(&self, iu: &ShownIu) -> Option<f32> {
+        (self.stroke > 0.0 && iu.is_repeated()).then(|| self.stroke_m(iu, Strength::GENERAL).max)
     }
 
     fn stroke_m(&self, iu: &ShownIu, strength: Strength) -> Range {
@@ -260,7 +273,7 @@ impl Rates {
     }
 
     fn interval(&self, values: &[f64], prior: f64, false_alarms: f64, strength: Strength) -> (f64, f64) {
-        interval(values, prior, false_alarms, self.one_person, strength)
+        interval(values, prior, false_alarms, self.people, strength)
     }
 
     /// The same in the plane or in space: the spread is that of one axis.
@@ -363,17 +376,19 @@ pub(super) fn interval(
     values: &[f64],
     prior: f64,
     false_alarms: f64,
-    one_person: f64,
+    people: People,
     strength: Strength,
 ) -> (f64, f64) {
-    let prior = prior.powi(2);
+    let People { one_person, variety, freedom: of_variety } = people;
+    let prior = (variety * prior).powi(2);
     let of_many = variance_of_one_more(values, prior);
     // The mean is that person's, from whom another one differs, and both do from time to time.
-    let of_one = 2.0 * prior + variance_of_one_more(values, OF_ONE_PERSON * prior);
+    let of_one = 2.0 * (1.0 - OF_ONE_PERSON) * prior + variance_of_one_more(values, OF_ONE_PERSON * prior);
     let spread = (of_many + one_person * (of_one - of_many).max(0.0)).sqrt();
+    // How much more than others these people differ is as uncertain again.
+    let known = 1.0 / (1.0 / pooled_freedom(values.len()) + 1.0 / of_variety);
     // Half of them on each side.
-    let t = student_t(pooled_freedom(values.len()), false_alarms / 2.0);
-    (mean(values), strength.wider() * t * spread)
+    (mean(values), strength.wider() * student_t(known, false_alarms / 2.0) * spread)
 }
 
 #[cfg(test)]
@@ -383,10 +398,15 @@ mod tests {
 
     const POLISHING: Context = Context([1, 5, 5, 6]);
 
-    /// An IU with its demonstrations, and the rates of a job of different people that has no other one.
-    fn job_of(context: Context, shown: &[Measures], frames: &[u32]) -> (Rates, ShownIu) {
+    /// An IU with its demonstrations, and the rates of a job of people that has no other one.
+    fn of_people(people: People, context: Context, shown: &[Measures], frames: &[u32]) -> (Rates, ShownIu) {
         let iu = ShownIu::measuring(context, shown, frames);
-        (Rates::new(0.03, 0.0, &Agreement::of_iu(&iu)), iu)
+        (Rates::new(0.03, people, &Agreement::of_iu(&iu)), iu)
+    }
+
+    /// The same, of people as they are in general.
+    fn job_of(context: Context, shown: &[Measures], frames: &[u32]) -> (Rates, ShownIu) {
+        of_people(People::IN_GENERAL, context, shown, frames)
     }
 
     #[test]
@@ -489,13 +509,55 @@ mod tests {
     }
 
     #[test]
+    fn who_is_quick_among_people_who_differ_more_passes_the_border_quickly_and_need_not_pause() {
+        let shown = [Measures::default(); 7];
+        let at_meter = Context([1, 6, 6, 3]);
+        let frames = [28, 34, 31, 47, 25, 36, 40];
+        let min = |variety| {
+            let people = People { one_person: 0.0, variety, freedom: f64::INFINITY };
+            let (rates, iu) = of_people(people, at_meter, &shown, &frames);
+            rates.frames(&iu, 30.0, Strength::GENERAL).map(|(min, _)| min)
+        };
+        // On its way in and out the part is at the meter for 6 frames, and for 2 if people differ three times as much.
+        assert!(min(1.0).is_some_and(|min| min > 14) && min(3.0).is_some_and(|min| (2..6).contains(&min)));
+    }
+
+    #[test]
+    fn strokes_that_may_be_so_short_that_half_of_one_is_not_counted_may_have_a_reversal_less_at_either_end() {
+        let min = |stroke_m: f32, variety: f64| {
+            let shown = [12, 13, 13, 12, 13].map(|reversals| Measures {
+                reversals,
+                stroke_m: Some(stroke_m),
+                axis: [1.0, 0.0],
+                ..Measures::default()
+            });
+            let people = People { variety, ..People::IN_GENERAL };
+            let (rates, iu) = of_people(people, POLISHING, &shown, &[]);
+            rates.reversals(&iu, Strength::GENERAL).min
+        };
+        assert_eq!([min(0.07, 1.0), min(0.07, 3.0), min(0.04, 1.0), min(0.2, 3.0)], [12, 10, 12, 12]);
+    }
+
+    #[test]
+    fn that_people_differ_more_is_uncertain_and_makes_the_bounds_wider_than_as_many_times() {
+        let values = [0.1, -0.2, 0.3, -0.1, 0.0, 0.2, -0.3];
+        let apart = |prior, variety, freedom| {
+            interval(&values, prior, 0.01, People { one_person: 0.0, variety, freedom }, Strength::GENERAL).1
+        };
+        // The spread is the same, and there are half of 22 degrees of freedom instead of 22.
+        let ratio = apart(0.1, 2.0, 22.0) / apart(0.2, 1.0, f64::INFINITY);
+        assert!((ratio - student_t(11.0, 0.005) / student_t(22.0, 0.005)).abs() < 1e-9, "{ratio}");
+    }
+
+    #[test]
     fn runs_that_differ_as_those_of_many_people_do_are_not_widened_for_one_person_as_if_they_were_alike() {
         let wider = |values: &[f64]| {
-            let apart = |one_person| interval(values, 0.14, 0.01, one_person, Strength::GENERAL).1;
+            let people = |one_person| People { one_person, ..People::IN_GENERAL };
+            let apart = |one_person| interval(values, 0.14, 0.01, people(one_person), Strength::GENERAL).1;
             apart(1.0) / apart(0.0)
         };
         let alike = [0.02, -0.04, 0.06, -0.02, 0.0, 0.04, -0.06];
         let apart = alike.map(|value| 5.0 * value);
-        assert!(wider(&alike) > 1.6 && wider(&apart) < 1.4, "{} {}", wider(&alike), wider(&apart));
+        assert!(wider(&alike) > 1.4 && wider(&apart) < 1.3, "{} {}", wider(&alike), wider(&apart));
     }
 }

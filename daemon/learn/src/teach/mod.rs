@@ -20,6 +20,7 @@ mod order;
 mod page;
 mod pairs;
 mod people;
+mod reach;
 mod relation;
 mod report;
 mod sampling;
@@ -45,7 +46,7 @@ use crate::run::Run;
 use andon_core::capacity::{ACTIVITIES, ACTIVITY_IUS, OBJECTS};
 use ius::Teacher;
 use leave_one_out::LeftOut;
-use people::one_person;
+use people::People;
 use sampling::needed_rate_hz;
 use sequence::{Agreement, agree};
 use strength::Strengths;
@@ -103,8 +104,7 @@ struct Teaching<'a> {
     agreement: Agreement,
     strengths: Strengths,
     left_out: Option<LeftOut>,
-    /// How probable it is that one person showed all the runs.
-    one_person: f64,
+    people: People,
     memory: Memory,
     report: TeachReport,
 }
@@ -118,7 +118,7 @@ impl<'a> Teaching<'a> {
             agreement: Agreement::default(),
             strengths: Strengths::default(),
             left_out: None,
-            one_person: 0.0,
+            people: People::IN_GENERAL,
             memory: Memory::default(),
             report: TeachReport::of(options.job()),
         }
@@ -138,14 +138,19 @@ impl<'a> Teaching<'a> {
 
     /// Finds where and how near hands and objects meet and which pairs of objects count, and what the runs then have in common.
     fn find_contacts(&mut self) -> Result<(), TeachError> {
-        if self.options.find_contact_regions {
-            let (objects, unsure) = contact_regions::learn(&self.runs, &self.options.method);
-            let encoded = pairs::choose(encoded_with(&objects, &self.runs)?)?;
-            let objects = encoded.first().map_or(&[][..], |run| &run.objects);
-            self.report.unsure = unsure.into_iter().chain(contact_regions::incidental(objects)).collect();
-            self.given = std::mem::replace(&mut self.runs, encoded);
+        if !self.options.find_contact_regions {
+            self.agree();
+            return Ok(());
         }
+        let (objects, unsure) = contact_regions::learn(&self.runs, &self.options.method);
+        let encoded = pairs::choose(encoded_with(&objects, &self.runs)?)?;
+        let objects = encoded.first().map_or(&[][..], |run| &run.objects);
+        self.report.unsure = unsure.into_iter().chain(contact_regions::incidental(objects)).collect();
+        self.given = std::mem::replace(&mut self.runs, encoded);
         self.agree();
+        if let Some((runs, agreement)) = reach::widened(&self.runs, &self.agreement, self.options)? {
+            (self.runs, self.agreement) = (runs, agreement);
+        }
         Ok(())
     }
 
@@ -171,8 +176,8 @@ impl<'a> Teaching<'a> {
     fn learn(&mut self) -> Result<(), TeachError> {
         self.check_agreement()?;
         let Self { options, runs, agreement, strengths, .. } = self;
-        self.one_person = one_person(runs, agreement, options.method.rate_hz);
-        self.report.one_person = self.one_person;
+        self.people = People::of(runs, agreement, options.method.rate_hz);
+        self.report.one_person = self.people.one_person;
         let job = &mut self.report.job;
         job.passive_contacts.clone_from(&agreement.passive_contacts);
         job.steps = relation::steps(runs, agreement, options, strengths);

@@ -7,6 +7,7 @@
 
 use super::contact_regions::{PUT_BACK_M, PUT_DOWN_M};
 use super::measures::{RARE, interval};
+use super::people::People;
 use super::sequence::Agreement;
 use super::strength::Strength;
 use crate::job_file::TaughtStep;
@@ -56,7 +57,8 @@ fn start_of(id: u16, runs: &[Run], agreement: &Agreement, space: Space) -> Optio
         let away: Option<Vec<f64>> =
             shown.map(|(run, index)| away_m(id, run, &run.activities[index], &place, space)).collect();
         away.filter(|away| !away.is_empty()).is_some_and(|away| {
-            let (centre, apart) = interval(&away, PRIOR_PUT_DOWN_M, 2.0 * RARE, 0.0, Strength::GENERAL);
+            let (centre, apart) =
+                interval(&away, PRIOR_PUT_DOWN_M, 2.0 * RARE, People::IN_GENERAL, Strength::GENERAL);
             centre - apart > f64::from(place.max)
         })
     };

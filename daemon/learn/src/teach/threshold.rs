@@ -7,6 +7,7 @@
 //! The slack at the borders is in seconds, because where a contact begins has to do with time, whatever the rate of the camera.
 
 use super::options::TeachOptions;
+use super::people::People;
 use super::strength::Strength;
 use crate::barycentre::Barycentres;
 use crate::rule::ThresholdRule;
@@ -131,13 +132,13 @@ impl Learned {
         if self.left_out.is_empty() { &self.own } else { &self.left_out }
     }
 
-    /// The threshold by a rule, as a DTW distance. `rate_hz` is the frame rate of the grid, `one_person` how probable it is
-    /// that one person showed the runs.
+    /// The threshold by a rule, as a DTW distance. `rate_hz` is the frame rate of the grid, `people` what the runs tell of those
+    /// who showed them.
     pub(super) fn threshold(
         &self,
         rule: ThresholdRule,
         rate_hz: f64,
-        one_person: f64,
+        people: &People,
         strength: Strength,
     ) -> f64 {
         if strength == Strength::NONE {
@@ -153,7 +154,7 @@ impl Learned {
                 let spread = variance_of_one_more(&self.left_out, (PRIOR_SPREAD * centre).powi(2)).sqrt();
                 let apart = strength.wider() * sigmas * spread;
                 // The variance between people is about that between the runs of the one whom the reference is from.
-                let of_others = 1.0 + one_person * (SQRT_2 - 1.0);
+                let of_others = people.variety * (1.0 + people.one_person * (SQRT_2 - 1.0));
                 // Costs add up under the root, and that of a frame in the opposite direction is 2.
                 (of_others * (centre + apart)).hypot((border_s * rate_hz * 4.0).sqrt())
             }
@@ -185,7 +186,9 @@ mod tests {
             left_out: left_out.to_vec(),
         };
         let rule = ThresholdRule::LeaveOneOut { sigmas: 4.0, border_s: 0.0 };
-        let of = |left_out: &[f64]| learned(left_out).threshold(rule, 30.0, 0.0, Strength::GENERAL);
+        let of = |left_out: &[f64]| {
+            learned(left_out).threshold(rule, 30.0, &People::IN_GENERAL, Strength::GENERAL)
+        };
         // The root of 16 / 18 of 0.3 squared, and a third more for the mean of three.
         let spread = 0.3 * (16.0_f64 / 18.0 * 4.0 / 3.0).sqrt();
         assert!((of(&[2.0; 3]) - 2.0 * (1.0 + 4.0 * spread)).abs() < 1e-9);

@@ -18,6 +18,7 @@ mod trajectory;
 mod unsure;
 
 use super::measures::{RARE, interval};
+use super::people::People;
 use super::strength::Strength;
 use crate::recording::{NamedObject, shapes};
 use crate::run::Run;
@@ -108,7 +109,7 @@ fn contact_of(distances_m: &[f64], default: Contact) -> Contact {
     if distances_m.is_empty() {
         return default;
     }
-    let (centre, apart) = interval(distances_m, PRIOR_M, 2.0 * RARE, 0.0, Strength::GENERAL);
+    let (centre, apart) = interval(distances_m, PRIOR_M, 2.0 * RARE, People::IN_GENERAL, Strength::GENERAL);
     widened(default, (centre + apart) as f32)
 }
 
