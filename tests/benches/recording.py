@@ -77,8 +77,8 @@ def play(programs, film, mode, seconds):
             for role in ROLES:
                 log = (folder / f"{role}.log").open("w")
                 # As its unit has it.
-                nice = ["nice", "-n", "10"] if role == "record" else []
-                running[role] = subprocess.Popen([*nice, programs / "andond", "run", role, "-c", config], stderr=log)
+                idle = ["chrt", "--idle", "0"] if role == "record" else []
+                running[role] = subprocess.Popen([*idle, programs / "andond", "run", role, "-c", config], stderr=log)
                 if role == "steward":
                     time.sleep(1)
             time.sleep(5)
