@@ -8,131 +8,85 @@ use crate::capacity::FILTER_FRAMES;
 use crate::couple::Motion;
 use heapless::Deque;
 
-/// Number of features in `x_m`.
-const FEATURES: usize = 7;
-
 /// Maximum reach to one side, that of the dilation.
 const REACH: usize = FILTER_FRAMES - 1;
 
-/// Frames that a window may have to remember: its own and one more.
-const WINDOW: usize = 2 * REACH + 2;
+/// Frames of the longest window.
+const WINDOW: usize = 2 * REACH + 1;
 
-/// The minimum or maximum in a window around each frame, clipped at the ends.
+/// The minimum or maximum of each feature in a window around each frame, clipped at the ends.
 #[derive(Clone, Debug)]
 struct Extreme {
-    /// Candidates for the extreme with their frames, from the best to the newest (a monotonic queue). Each value goes in and out
-    /// once, so the amortised cost per frame is O(1).
-    candidates: Deque<(u32, i8), WINDOW>,
-    is_max: bool,
-    reach: u32,
-    taken: u32,
-    given: u32,
+    /// Returns the more extreme one of two values.
+    of_two: fn(i8, i8) -> i8,
+    reach: usize,
+    /// The newest frames, from `reach` before the one whose extreme comes next.
+    window: Deque<Motion, WINDOW>,
+    /// How many of them have no extreme yet, at most `reach` between two calls.
+    waiting: usize,
 }
 
 impl Extreme {
-    fn new(is_max: bool, reach: u32) -> Self {
-        Self { candidates: Deque::new(), is_max, reach, taken: 0, given: 0 }
+    fn new(of_two: fn(i8, i8) -> i8, reach: usize) -> Self {
+        Self { of_two, reach, window: Deque::new(), waiting: 0 }
     }
 
     fn clear(&mut self) {
-        self.candidates.clear();
-        (self.taken, self.given) = (0, 0);
+        self.window.clear();
+        self.waiting = 0;
     }
 
-    /// Takes the next value and returns the extreme of the frame `reach` before it.
-    fn push(&mut self, value: i8) -> Option<i8> {
-        let beaten = |old: i8| if self.is_max { old <= value } else { old >= value };
-        while self.candidates.back().is_some_and(|(_, old)| beaten(*old)) {
-            self.candidates.pop_back();
-        }
-        // There is room: candidates lie between `given - reach - 1` and `given + reach`.
-        let _ = self.candidates.push_back((self.taken, value));
-        self.taken += 1;
-        if self.taken > self.given + self.reach { self.give() } else { None }
+    /// Takes the next frame and returns the extreme of the one `reach` before it.
+    fn push(&mut self, motion: Motion) -> Option<Motion> {
+        // There is room: of a full window the oldest frame has gone.
+        let _ = self.window.push_back(motion);
+        self.waiting += 1;
+        if self.waiting > self.reach { self.give() } else { None }
     }
 
-    /// Returns the value of the next frame; `None` after the last one.
-    fn give(&mut self) -> Option<i8> {
-        if self.given == self.taken {
-            return None;
+    /// Returns the extreme of the next frame; `None` after the last one.
+    fn give(&mut self) -> Option<Motion> {
+        self.waiting = self.waiting.checked_sub(1)?;
+        let of_both = |one: Motion, other: Motion| {
+            Motion(core::array::from_fn(|feature| (self.of_two)(one.0[feature], other.0[feature])))
+        };
+        let extreme = self.window.iter().copied().reduce(of_both);
+        if self.window.len() > self.reach + self.waiting {
+            self.window.pop_front();
         }
-        while self.candidates.front().is_some_and(|(frame, _)| frame + self.reach < self.given) {
-            self.candidates.pop_front();
-        }
-        self.given += 1;
-        self.candidates.front().map(|(_, value)| *value)
+        extreme
     }
 }
 
-/// The filter of one feature.
+/// The filter for one IU: an erosion, a dilation and an erosion.
 #[derive(Clone, Debug)]
-struct Feature([Extreme; 3]);
-
-impl Feature {
-    fn new(half: u32) -> Self {
-        Self([Extreme::new(false, half), Extreme::new(true, 2 * half), Extreme::new(false, half)])
-    }
-
-    fn push(&mut self, value: i8) -> Option<i8> {
-        self.0.iter_mut().try_fold(value, |value, stage| stage.push(value))
-    }
-
-    /// After the last input: returns the value of the next frame; `None` after the last one.
-    fn flush(&mut self) -> Option<i8> {
-        let [first, second, third] = &mut self.0;
-        while let Some(value) = first.give() {
-            if let Some(value) = second.push(value).and_then(|value| third.push(value)) {
-                return Some(value);
-            }
-        }
-        while let Some(value) = second.give() {
-            if let Some(value) = third.push(value) {
-                return Some(value);
-            }
-        }
-        third.give()
-    }
-}
-
-/// The filter for all features of one IU.
-#[derive(Clone, Debug)]
-pub(super) struct OpeningClosing {
-    features: [Feature; FEATURES],
-}
+pub(super) struct OpeningClosing([Extreme; 3]);
 
 impl OpeningClosing {
     /// `window` is an odd number of frames.
     pub(super) fn new(window: u8) -> Self {
-        let half = u32::from(window) / 2;
-        Self { features: core::array::from_fn(|_| Feature::new(half)) }
+        let half = usize::from(window) / 2;
+        let erosion = Extreme::new(i8::min, half);
+        Self([erosion.clone(), Extreme::new(i8::max, 2 * half), erosion])
     }
 
     /// Forgets the IU.
     pub(super) fn clear(&mut self) {
-        self.features.iter_mut().flat_map(|feature| &mut feature.0).for_each(Extreme::clear);
+        self.0.iter_mut().for_each(Extreme::clear);
     }
 
     /// Takes the next motion and returns the filtered one of the frame `4h` before it.
     pub(super) fn push(&mut self, motion: Motion) -> Option<Motion> {
-        self.each(|feature, index| feature.push(motion.0[index]))
+        self.0.iter_mut().try_fold(motion, |motion, stage| stage.push(motion))
     }
 
     /// After the last motion: returns the next filtered one; `None` after the last one.
     pub(super) fn flush(&mut self) -> Option<Motion> {
-        self.each(|feature, _| feature.flush())
-    }
-
-    /// All features have the same delay: either each of them returns a value or none does.
-    fn each(&mut self, mut step: impl FnMut(&mut Feature, usize) -> Option<i8>) -> Option<Motion> {
-        let mut motion = Some(Motion::default());
-        for (index, feature) in self.features.iter_mut().enumerate() {
-            let value = step(feature, index);
-            motion = motion.zip(value).map(|(mut motion, value)| {
-                motion.0[index] = value;
-                motion
-            });
-        }
-        motion
+        (0..self.0.len()).find_map(|index| {
+            let (stage, behind) = self.0[index..].split_first_mut()?;
+            let mut left = core::iter::from_fn(|| stage.give());
+            left.find_map(|motion| behind.iter_mut().try_fold(motion, |motion, stage| stage.push(motion)))
+        })
     }
 }
 
@@ -178,15 +132,5 @@ mod tests {
                 prop_assert_eq!(streamed, wanted);
             }
         }
-    }
-
-    #[test]
-    fn a_value_that_is_shorter_than_the_window_is_filtered_out() {
-        let mut filter = OpeningClosing::new(5);
-        let values = [0, 0, 0, 0, 0, 7, 7, 0, 0, 0, 0, 3, 3, 3, 3, 3, 1, 1, 3, 3, 3, 3, 3];
-        let mut given: Vec<i8> =
-            values.iter().filter_map(|value| filter.push(Motion([*value; 7]))).map(|m| m.0[6]).collect();
-        given.extend(core::iter::from_fn(|| filter.flush()).map(|m| m.0[6]));
-        assert_eq!(given, [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3]);
     }
 }
