@@ -7,6 +7,7 @@
 
 use crate::bounds::{Around, Bounds, Range};
 use crate::couple::{Context, Motion};
+use crate::input::Side;
 use crate::set::ActivitySet;
 
 /// How two motion features are compared.
@@ -234,6 +235,12 @@ impl Job<'_> {
     pub(crate) fn allows_insertions(&self, nominal: usize) -> bool {
         let activity = self.activities.get(nominal);
         activity.is_some_and(|nominal| self.law(nominal.activity.into()).allows_insertions)
+    }
+
+    /// Whether this hand acts in it.
+    pub(crate) fn is_done_by(&self, side: Side) -> bool {
+        let mut ius = self.activities.iter().flat_map(|nominal| nominal.ius);
+        ius.any(|iu| iu.context.0[0] == side as u16)
     }
 
     /// The numbers of its activities.

@@ -230,7 +230,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             self.confirm_iu(couple, progress);
         }
         let Some(iu) = self.iu.as_mut().filter(|iu| !iu.is_concluded) else { return };
-        iu.observation.push(couple, measures, self.has_other);
+        // Where the other hand was not shown to act, there is nothing to wait for.
+        iu.observation.push(couple, measures, progress.job.is_done_by(self.side.other()));
         // While the hand is hidden, the IU may have ended already.
         iu.observation.gap_after = if couple.lacks(Unseen::CONTEXT) { self.doubt.gap() } else { 0 };
         let Some(iu) = self.iu else { return };

@@ -28,8 +28,6 @@ struct Comparison<'a> {
     /// Index of the IU in it.
     index: usize,
     iu: &'a NominalIu<'a>,
-    /// No other IU of the nominal activity has the same context.
-    is_unique: bool,
     /// The IU cannot be this one any more, so its distance is not computed further.
     is_lost: bool,
     /// The distances in the newest frame and in those before it, newest first; infinite where there was none.
@@ -130,10 +128,7 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
 
     /// Adds a nominal IU that has the context of the open one. There is room for all.
     pub(super) fn add(&mut self, nominal: usize, index: usize) {
-        let ius = self.job.activities[nominal].ius;
-        let iu = &ius[index];
-        // An activity of one IU may come again behind it.
-        let is_unique = ius.len() > 1 && ius.iter().filter(|other| other.context == iu.context).count() == 1;
+        let iu = &self.job.activities[nominal].ius[index];
         if let Some(distance) = self.distances.as_mut().get_mut(self.comparisons.len()) {
             // The lengths were checked when the judge was made, so this does not fail.
             if distance.begin(iu.reference).is_ok() {
@@ -142,14 +137,7 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
                     let _ = distance.append(&Motion::at_rest(iu.context));
                 }
                 let newest = [f64::INFINITY; 1 + BORDER_FRAMES];
-                let _ = self.comparisons.push(Comparison {
-                    nominal,
-                    index,
-                    iu,
-                    is_unique,
-                    is_lost: false,
-                    newest,
-                });
+                let _ = self.comparisons.push(Comparison { nominal, index, iu, is_lost: false, newest });
             }
         }
     }
@@ -249,9 +237,11 @@ fn result(
     let (broken, max) =
         if is_certain { (possible, max) } else { (observation.broken(comparison.iu, false), threshold) };
     let reason = reason_of(broken, max);
-    let is_doubtful =
-        !is_certain && reason != Reason::None || observation.explains(reason, comparison.is_unique);
-    let measured = broken.and_then(|broken| observation.measured(comparison.iu, broken, rate_hz));
-    let Comparison { nominal, index, .. } = *comparison;
+    let Comparison { nominal, index, iu, .. } = *comparison;
+    let ius = job.activities[nominal].ius;
+    // An activity of one IU may come again behind it.
+    let is_unique = ius.len() > 1 && ius.iter().filter(|other| other.context == iu.context).count() == 1;
+    let is_doubtful = !is_certain && reason != Reason::None || observation.explains(reason, is_unique);
+    let measured = broken.and_then(|broken| observation.measured(iu, broken, rate_hz));
     ComparisonResult { nominal, index, reason, distance, threshold, measured, is_doubtful }
 }

@@ -36,8 +36,6 @@ pub(super) struct OpenIu {
 #[derive(Clone, Debug)]
 pub(super) struct HandJudge<'a, M> {
     pub(super) side: Side,
-    /// The other hand was shown to act in the job; else there is nothing to wait for.
-    pub(super) has_other: bool,
     pub(super) doubt: HandDoubt,
     pub(super) comparisons: Comparisons<'a, M>,
     pub(super) activity: Option<OpenActivity>,
@@ -92,10 +90,8 @@ impl Finding {
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn new(side: Side, job: &'a Job<'a>, method: &Method) -> Self {
-        let mut ius = job.activities.iter().flat_map(|nominal| nominal.ius);
         Self {
             side,
-            has_other: ius.any(|iu| iu.context.0[0] == side.other() as u16),
             doubt: HandDoubt::new(method),
             comparisons: Comparisons::new(job, method.rate_hz),
             activity: None,

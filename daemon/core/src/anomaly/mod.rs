@@ -403,9 +403,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         self.newest = None;
         self.finish(emit);
         self.segmenter.set_between_jobs(false);
-        let Bench { hands, progress } = &mut self.bench;
-        hands.iter_mut().for_each(|hand| hand.is_broken_off = false);
-        progress.is_broken_off = false;
+        self.bench.hands.iter_mut().for_each(|hand| hand.is_broken_off = false);
     }
 
     /// Ends the open job on command or at the end of a recording, with its verdicts.

@@ -84,11 +84,10 @@ pub fn jitter_bound_m(positions: impl Iterator<Item = Option<Point>>) -> f32 {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Drift {
     known: MeanSquare,
-    /// What was known when the hands came to rest, and where it lay first since then.
-    before: MeanSquare,
+    /// What was known when the hands came to rest; `None` once an unseen hand has moved it since then, which may work with it until they rest again.
+    before: Option<MeanSquare>,
+    /// Where it lay first since then.
     lay: Option<Point>,
-    /// An unseen hand has moved it since then, and may work with it until the hands come to rest again.
-    is_moved: bool,
 }
 
 /// The mean of squared distances, and of how many.
@@ -104,21 +103,20 @@ impl Drift {
         if self.known.count < MIN_DRIFT_FRAMES {
             self.known = MeanSquare::default();
         }
-        (self.before, self.lay, self.is_moved) = (self.known, None, false);
+        (self.before, self.lay) = (Some(self.known), None);
     }
 
     /// Takes where it seems to be `now`, and to have been `persist_frames` `before`. If a hand has been seen by then, it rests.
     pub(super) fn push(&mut self, now: Point, before: Point, has_seen_hand: bool) {
+        let Some(known_before) = self.before else { return };
         let lay = *self.lay.get_or_insert(before);
         let max_apart_m = self.known.max_apart_m();
         let is_away = |at: Point| squared_distance(at, lay) > max_apart_m * max_apart_m;
-        if !self.is_moved {
-            self.known.push(squared_distance(now, before));
-        }
+        self.known.push(squared_distance(now, before));
         // One position that is misread says nothing. Hands that nobody has seen may make strokes about where it lay.
         if is_away(now) && is_away(before) || !has_seen_hand && self.known.is_motion() {
             // A hand moves it that is not seen, and did so perhaps from the beginning.
-            (self.known, self.is_moved) = (self.before, true);
+            (self.known, self.before) = (known_before, None);
         }
     }
 

@@ -47,6 +47,8 @@ enum Phase {
     Open,
     /// It ends only because a touch may have begun the next one, or in a pause: that is assumed, not seen.
     EndAssumed,
+    /// It ends because the couples break off.
+    BrokenOff,
 }
 
 /// What is known of the open job, or of the one before if none is open. Its sets have the numbers of activities, not those of nominal ones.
@@ -142,8 +144,6 @@ pub(super) struct Progress<'a> {
     unwatched: u32,
     /// For each hand, what has been missed since then.
     occlusions: [OcclusionLog; HANDS],
-    /// The couples have broken off.
-    pub(super) is_broken_off: bool,
     /// What the newest frame has brought, in its order, until the judge tells it.
     pub(super) told: Vec<Event, EVENTS>,
 }
@@ -165,7 +165,6 @@ impl<'a> Progress<'a> {
             overlooked_object: 0,
             unwatched: 0,
             occlusions,
-            is_broken_off: false,
             told: Vec::new(),
         }
     }

@@ -4,7 +4,7 @@
 //! was never seen is not expected. A step whose part is out of sight looks like another step, or like none: it accuses nobody.
 
 use super::super::occlusion::{Cause, OcclusionLog};
-use super::Progress;
+use super::{Phase, Progress};
 use crate::couple::Couples;
 use crate::set::ActivitySet;
 use crate::verdict::Reason;
@@ -56,7 +56,10 @@ impl Progress<'_> {
 
     /// The couples break off: the job may go on unseen, and what has not been done is not missing.
     pub(crate) fn break_off(&mut self) {
-        (self.is_broken_off, self.state.left, self.unseen) = (true, self.all, self.all);
+        (self.state.left, self.unseen) = (self.all, self.all);
+        if !self.is_concluded() {
+            self.state.phase = Phase::BrokenOff;
+        }
     }
 
     /// What a hand does with this `object` may be an activity that also uses an object never seen in this job: that object. It is 0 where it is not
@@ -84,7 +87,7 @@ impl Progress<'_> {
     /// Why an activity that is missing may have been done all the same; or, where none is missing, why the job is not judged.
     pub(super) fn unseen_activity_cause(&self, activity: Option<usize>) -> Cause {
         match activity {
-            _ if self.is_broken_off => Reason::BrokenOff.into(),
+            _ if self.state.phase == Phase::BrokenOff => Reason::BrokenOff.into(),
             Some(activity) if self.used_by(self.overlooked_object, ActivitySet::of(activity)) != 0 => {
                 Cause::object_not_seen(self.overlooked_object)
             }
