@@ -18,6 +18,17 @@ struct OpenJob {
     matched: bool,
 }
 
+/// What is known of the time without a job.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Between {
+    /// A job may be under way, so that a pause may be one in the middle of it.
+    Unknown,
+    /// A job has ended, or the first one is about to begin.
+    Jobs,
+    /// There has been a pause since then, and nothing has moved.
+    Paused,
+}
+
 /// Segments the couples of both hands. Each hand has its own activities; both share the job.
 ///
 /// A job begins with the first touch or on command. It ends on command, and once
@@ -42,10 +53,7 @@ pub struct JobSegmenter {
     bench_ns: u64,
     /// An encoder that has started again does not see an object that had been in sight, and has not seen a hand yet.
     has_lost_object: bool,
-    /// A job has ended, or the first one is about to begin. Otherwise a pause may be one in the middle of a job.
-    is_between_jobs: bool,
-    /// There has been a pause since the last job, and nothing has moved.
-    has_paused: bool,
+    between: Between,
     /// Since when something has been carried so, and nobody has been told.
     unseen_since_ns: Option<u64>,
     /// What was not seen since a hand last began to act: [`Unseen::MOVER`], and [`Unseen::CARRIER`], so that the next job may have begun.
@@ -69,8 +77,7 @@ impl JobSegmenter {
             resting_ns: 0,
             bench_ns: 0,
             has_lost_object: false,
-            is_between_jobs: false,
-            has_paused: false,
+            between: Between::Unknown,
             unseen_since_ns: None,
             since_touch: Unseen::EMPTY,
             job: None,
@@ -89,7 +96,7 @@ impl JobSegmenter {
             self.end(now_ns, emit);
         }
         if touches && self.job.is_none() {
-            let start = if self.has_paused { Start::Seen } else { Start::Unseen };
+            let start = if self.between == Between::Paused { Start::Seen } else { Start::Unseen };
             self.begin(now_ns, start, emit);
         }
         self.newest_ns = now_ns;
@@ -123,14 +130,19 @@ impl JobSegmenter {
             self.bench_ns = couples.captured_ns;
         }
         if is_out_of_sight {
-            (self.resting_ns, self.has_paused) = (0, false);
+            self.resting_ns = 0;
         }
         self.since_touch |= moves;
         if self.job.is_none_or(|job| job.matched) && moves.intersects(Unseen::CARRIER) {
             self.unseen_since_ns.get_or_insert(couples.captured_ns);
         }
-        self.has_paused |= self.is_between_jobs && self.job.is_none() && self.resting_ns >= self.idle_end_ns;
-        self.has_paused &= !(moves.intersects(Unseen::MOVER) || self.since_touch.intersects(Unseen::CARRIER));
+        let is_moved = moves.intersects(Unseen::MOVER) || self.since_touch.intersects(Unseen::CARRIER);
+        let has_rested = self.job.is_none() && self.resting_ns >= self.idle_end_ns;
+        self.between = match self.between {
+            Between::Jobs | Between::Paused if has_rested && !is_moved => Between::Paused,
+            Between::Paused if is_out_of_sight || is_moved => Between::Jobs,
+            before => before,
+        };
     }
 
     /// Whether an activity would begin with this couple, if it were the next one.
@@ -145,12 +157,12 @@ impl JobSegmenter {
 
     /// Whether it is known that no job is under way, or that all of it is done.
     pub fn is_between_jobs(&self) -> bool {
-        self.job.map_or(self.is_between_jobs, |job| job.matched)
+        self.job.map_or(self.between != Between::Unknown, |job| job.matched)
     }
 
     /// No job is under way, or it is not known whether one is.
     pub fn set_between_jobs(&mut self, is_between_jobs: bool) {
-        self.is_between_jobs = is_between_jobs;
+        self.between = if is_between_jobs { Between::Jobs } else { Between::Unknown };
     }
 
     /// The encoder has started again between these couples: it does not know that an object which it does not see was in sight before.
@@ -191,7 +203,7 @@ impl JobSegmenter {
 
     fn begin(&mut self, began_ns: u64, start: Start, emit: &mut impl FnMut(Event)) {
         self.job = Some(OpenJob { began_ns, ended_ns: began_ns, touched: false, matched: false });
-        (self.has_paused, self.since_touch) = (false, self.since_touch.without(Unseen::CARRIER));
+        (self.between, self.since_touch) = (Between::Jobs, self.since_touch.without(Unseen::CARRIER));
         let unseen_since_ns = self.unseen_since_ns.take();
         emit(Event::JobBegan { began_ns, start, unseen_since_ns });
     }
@@ -199,7 +211,6 @@ impl JobSegmenter {
     fn end(&mut self, now_ns: u64, emit: &mut impl FnMut(Event)) {
         self.hands.iter_mut().for_each(|hand| hand.finish(now_ns, emit));
         if let Some(OpenJob { began_ns, ended_ns, .. }) = self.job.take() {
-            self.is_between_jobs = true;
             // A job that began on command may end before the frame that it was to begin with.
             emit(Event::JobEnded { began_ns, ended_ns: ended_ns.min(now_ns).max(began_ns) });
         }

@@ -5,7 +5,7 @@ use crate::common::script::{Part, Still, Toward, idle, part, short, stream, teac
 use crate::common::work::{
     IN_ORDER, away, expect, forgiving, jobs, judged, measure, polish, polish_and_measure,
 };
-use andon_core::anomaly::Judge;
+use andon_core::anomaly::{Event, Judge};
 use andon_core::config::Method;
 use andon_core::couple::{Couple, Couples, Unseen, Visibility};
 use andon_core::job::Job;
@@ -250,6 +250,27 @@ fn a_job_that_breaks_off_anywhere_accuses_nobody() {
         assert!(unjudged.all(|verdict| verdict.reason == Reason::BrokenOff), "cut after {cut}: {verdicts:?}");
         judge.break_off(&mut |event| panic!("{event:?} after the end"));
     }
+}
+
+/// Nobody knows what came between the pause and the touch.
+#[test]
+fn a_pause_before_the_couples_broke_off_shows_no_start() {
+    let (job, pause) = (Job { laws: &IN_ORDER, ..polish_and_measure() }, 300);
+    let work = stream(&[&[away(pause), idle(20)][..], &measure(), &[idle(20)]].concat(), &[]);
+    let said = |breaks_off: bool| {
+        let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap().between_jobs();
+        let mut verdicts = Vec::new();
+        let mut take = |event: Event| verdicts.extend(event.verdict());
+        work[..pause].iter().for_each(|couples| judge.step(couples, &mut take));
+        if breaks_off {
+            judge.break_off(&mut take);
+        }
+        work[pause..].iter().for_each(|couples| judge.step(couples, &mut take));
+        judge.finish(&mut take);
+        short(verdicts.last().unwrap())
+    };
+    assert_eq!(said(false), "JobAnomaly WrongOrder");
+    assert_eq!(said(true), "NotJudged BeginningNotSeen");
 }
 
 /// Lets the right hand (0) or its `o_j` (1) be assumed.
