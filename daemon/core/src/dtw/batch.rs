@@ -3,8 +3,7 @@
 use super::cost::UNREACHED;
 use super::local_costs::LocalCosts;
 use super::row::Row;
-use super::simd::{BORDER_ROOM, Border};
-use super::symbols::{BLOCK, Order, Symbols};
+use super::symbols::Symbols;
 use super::{Refused, check};
 use crate::couple::Motion;
 
@@ -12,14 +11,19 @@ use crate::couple::Motion;
 #[derive(Clone, Debug)]
 pub struct Scratch {
     pub(super) row: Row,
-    border: Border,
-    pub(super) symbols: [Symbols; 2],
+    pub(super) symbols: Symbols,
 }
 
 impl Scratch {
     /// New memory.
     pub const fn new() -> Self {
-        Self { row: Row::new(), border: [UNREACHED; BORDER_ROOM], symbols: [const { Symbols::new() }; 2] }
+        Self { row: Row::new(), symbols: Symbols::new() }
+    }
+
+    /// Before the first row of this reference.
+    pub(super) fn begin(&mut self, costs: &LocalCosts, reference: &[Motion]) {
+        costs.read(reference, &mut self.symbols);
+        self.row.begin(reference.len());
     }
 }
 
@@ -71,22 +75,13 @@ fn last_cell(
 ) -> Result<Option<i32>, Refused> {
     check(a)?;
     check(b)?;
-    // The matrix is computed in strips of rows: fewer are faster.
-    let [a, b] =
-        if a.len().div_ceil(BLOCK) * b.len() <= b.len().div_ceil(BLOCK) * a.len() { [a, b] } else { [b, a] };
-    let [x, y] = &mut scratch.symbols;
-    if let Some(simd) = &costs.simd
-        && costs.read(a, Order::Forwards, x)
-        && costs.read(b, Order::Backwards, y)
-    {
-        return Ok(simd.last_cell((x, a.len()), (y, b.len()), bound, &mut scratch.border));
-    }
-    costs.read(b, Order::Forwards, y);
-    scratch.row.begin(b.len());
-    for frame in a {
-        if costs.advance(&mut scratch.row, frame, b, y) > bound {
+    // Fewer rows are faster.
+    let [frames, reference] = if a.len() <= b.len() { [a, b] } else { [b, a] };
+    scratch.begin(costs, reference);
+    for frame in frames {
+        if costs.advance(&mut scratch.row, frame, reference, &scratch.symbols) > bound {
             return Ok(None);
         }
     }
-    Ok(Some(scratch.row.cell(b.len() - 1)).filter(|&value| value <= bound))
+    Ok(Some(scratch.row.cell(reference.len() - 1)).filter(|&value| value <= bound))
 }

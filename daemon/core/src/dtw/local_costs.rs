@@ -3,7 +3,7 @@
 use super::cost::{IntegerCosts, UNREACHED};
 use super::row::{Row, slot};
 use super::simd::Simd;
-use super::symbols::{BLOCK, Content, Order, Symbols, Tables};
+use super::symbols::{BLOCK, Content, Symbols, Tables};
 use crate::couple::Motion;
 use crate::job::LocalCost;
 
@@ -40,14 +40,11 @@ impl LocalCosts {
         self.integers.error / 2.0
     }
 
-    /// Writes the symbols of a sequence by the fastest path. False if it has none under these costs.
-    pub(super) fn read(&self, motions: &[Motion], order: Order, symbols: &mut Symbols) -> bool {
-        symbols.content = match (&self.simd, &self.tables) {
-            (Some(simd), Some(tables)) => simd.read(tables, motions, order, symbols),
-            (None, Some(tables)) => symbols.read(tables, motions, order),
-            _ => Content::Nothing,
-        };
-        symbols.content != Content::Nothing
+    /// Writes the symbols of a sequence. It has none where these costs have none.
+    pub(super) fn read(&self, motions: &[Motion], symbols: &mut Symbols) {
+        if let Some(tables) = &self.tables {
+            symbols.read(tables, motions);
+        }
     }
 
     /// Computes the next row in place by the fastest path and returns its minimum. `symbols` are those of the reference.

@@ -3,7 +3,7 @@
 use super::cost::ORIGIN;
 use super::local_costs::LocalCosts;
 use super::row::Row;
-use super::symbols::{Order, Symbols};
+use super::symbols::Symbols;
 use super::{Refused, check};
 use crate::capacity::IU_FRAMES;
 use crate::couple::Motion;
@@ -47,7 +47,7 @@ impl<'a> OnlineDtw<'a> {
     pub fn begin(&mut self, reference: &'a [Motion]) -> Result<(), Refused> {
         check(reference)?;
         self.reference = reference;
-        self.costs.read(reference, Order::Forwards, &mut self.symbols);
+        self.costs.read(reference, &mut self.symbols);
         self.row.begin(reference.len());
         self.frames = 0;
         self.min = ORIGIN;

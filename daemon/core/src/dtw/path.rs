@@ -4,7 +4,7 @@ use super::batch::Scratch;
 use super::cost::UNREACHED;
 use super::local_costs::LocalCosts;
 use super::row::slot;
-use super::symbols::{BLOCK, Order};
+use super::symbols::BLOCK;
 use super::{Refused, check};
 use crate::couple::Motion;
 
@@ -34,11 +34,9 @@ pub fn path<'m>(
     let per_row = b.len().div_ceil(BLOCK);
     let (needed, given) = (path_memory(a.len(), b.len()), memory.len());
     let Some(blocks) = memory.get_mut(..needed) else { return Err(Refused::Memory { needed, given }) };
-    let symbols = &mut scratch.symbols[0];
-    costs.read(b, Order::Forwards, symbols);
-    scratch.row.begin(b.len());
+    scratch.begin(costs, b);
     for (frame, blocks) in a.iter().zip(blocks.chunks_exact_mut(per_row)) {
-        costs.advance(&mut scratch.row, frame, b, symbols);
+        costs.advance(&mut scratch.row, frame, b, &scratch.symbols);
         blocks.copy_from_slice(&scratch.row.blocks[..per_row]);
     }
     let distance = costs.integers.distance_of(scratch.row.cell(b.len() - 1));

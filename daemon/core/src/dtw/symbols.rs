@@ -87,7 +87,7 @@ impl Tables {
     ) {
         let of_frame = |plane: usize| &self.direction[low(frame[plane])];
         let directions = [of_frame(1), of_frame(2), of_frame(3), of_frame(4)];
-        let [ordered, planes @ ..] = sequence.planes.each_ref().map(|plane| &plane[FRONT..][..length]);
+        let [ordered, planes @ ..] = sequence.planes.each_ref().map(|plane| &plane[..length]);
         for index in 0..length {
             let mut cost = self.ordered[low(ordered[index] ^ frame[0])];
             for (direction, plane) in directions.iter().zip(planes) {
@@ -102,16 +102,6 @@ fn low(symbol: u8) -> usize {
     usize::from(symbol) % SYMBOLS
 }
 
-/// Bytes before the first motion, so that a vector may end with the first motion.
-pub(super) const FRONT: usize = BLOCK;
-
-/// In which order the frames of a sequence are read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Order {
-    Forwards,
-    Backwards,
-}
-
 /// What the symbols of a sequence tell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Content {
@@ -123,29 +113,29 @@ pub(super) enum Content {
     Elevated,
 }
 
-/// The symbols of a sequence: a plane for each byte of a motion, with room for a block before and after.
+/// The symbols of a sequence: a plane for each byte of a motion.
 #[derive(Clone, Debug)]
 pub(super) struct Symbols {
-    pub(super) planes: [[u8; FRONT + IU_FRAMES + BLOCK]; PLANES],
+    pub(super) planes: [[u8; IU_FRAMES]; PLANES],
     pub(super) content: Content,
 }
 
 impl Symbols {
     pub(super) const fn new() -> Self {
-        Self { planes: [[0; FRONT + IU_FRAMES + BLOCK]; PLANES], content: Content::Nothing }
+        Self { planes: [[0; IU_FRAMES]; PLANES], content: Content::Nothing }
     }
 
-    /// Writes the symbols of at most [`IU_FRAMES`] motions. Says [`Content::Nothing`] if a feature is out of range.
-    pub(super) fn read(&mut self, tables: &Tables, motions: &[Motion], order: Order) -> Content {
+    /// Writes the symbols of at most [`IU_FRAMES`] motions; none, if a feature is out of range.
+    pub(super) fn read(&mut self, tables: &Tables, motions: &[Motion]) {
+        self.content = Content::Nothing;
         let mut elevations = 0;
         for (index, motion) in motions.iter().take(IU_FRAMES).enumerate() {
-            let Some(symbols) = tables.symbols(motion) else { return Content::Nothing };
-            let index = if order == Order::Backwards { motions.len() - 1 - index } else { index };
+            let Some(symbols) = tables.symbols(motion) else { return };
             elevations |= motion.0[1] | motion.0[4];
             for (plane, symbol) in self.planes.iter_mut().zip(symbols) {
-                plane[FRONT + index] = symbol;
+                plane[index] = symbol;
             }
         }
-        if elevations != 0 { Content::Elevated } else { Content::Flat }
+        self.content = if elevations != 0 { Content::Elevated } else { Content::Flat };
     }
 }

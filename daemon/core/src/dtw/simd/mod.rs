@@ -13,16 +13,3 @@ mod none;
 pub(super) use avx2::Simd;
 #[cfg(not(target_arch = "x86_64"))]
 pub(super) use none::Simd;
-
-use super::symbols::BLOCK;
-use crate::capacity::IU_FRAMES;
-
-/// The last row of a strip of 32 rows: column `j` is at `BORDER_ZERO - j`. It runs backwards because the vector whose last lane holds the last row's
-/// cell is stored whole. Its other lanes land on columns that are written again later.
-pub(super) type Border = [i32; BORDER_ROOM];
-
-/// Where column 0 is: after all columns and those that the last steps of a strip touch beyond them.
-pub(super) const BORDER_ZERO: usize = IU_FRAMES + 2 * BLOCK;
-
-/// Length of a [`Border`].
-pub(super) const BORDER_ROOM: usize = BORDER_ZERO + BLOCK;

@@ -1,9 +1,8 @@
 //! Processors without a SIMD path.
 
-use super::Border;
 use crate::couple::Motion;
 use crate::dtw::row::Row;
-use crate::dtw::symbols::{Content, Order, Symbols, Tables};
+use crate::dtw::symbols::{Symbols, Tables};
 
 /// Uninhabited: this target has no SIMD path.
 #[derive(Clone, Debug)]
@@ -14,21 +13,7 @@ impl Simd {
         None
     }
 
-    pub(crate) fn read(&self, _: &Tables, _: &[Motion], _: Order, _: &mut Symbols) -> Content {
-        match *self {}
-    }
-
     pub(crate) fn advance(&self, _: &Tables, _: &Motion, _: &Symbols, _: usize, _: &mut Row) -> Option<i32> {
-        match *self {}
-    }
-
-    pub(crate) fn last_cell(
-        &self,
-        _: (&Symbols, usize),
-        _: (&Symbols, usize),
-        _: i32,
-        _: &mut Border,
-    ) -> Option<i32> {
         match *self {}
     }
 }

@@ -58,30 +58,6 @@ fn widen(v3: V3, [low, high]: [__m256i; 2]) -> Costs {
     ]
 }
 
-/// Tables for pairs of symbols.
-#[derive(Clone, Copy)]
-pub(super) struct Pairs {
-    ordered: DigitTables,
-    apart: DigitTables,
-}
-
-impl Pairs {
-    #[inline(always)]
-    pub(super) fn new(digits: &Digits) -> Self {
-        Self { ordered: table(digits.ordered), apart: table(digits.apart) }
-    }
-
-    /// Costs of 32 pairs, with one vector of symbols per plane.
-    #[inline(always)]
-    pub(super) fn costs<const N: usize>(&self, v3: V3, x: &[__m256i; N], y: &[__m256i; N]) -> Costs {
-        let mut sums = look_up(v3, self.ordered, v3.avx2._mm256_xor_si256(x[0], y[0]));
-        for plane in 1..N {
-            sums = add(v3, sums, look_up(v3, self.apart, apart(v3, x[plane], y[plane])));
-        }
-        widen(v3, sums)
-    }
-}
-
 /// Tables for one frame against any symbol, one pair per plane.
 #[derive(Clone, Copy)]
 pub(super) struct OfFrame<const N: usize>([DigitTables; N]);

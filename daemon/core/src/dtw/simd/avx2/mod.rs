@@ -4,15 +4,12 @@
 //! compiled without the vector instructions and called for each of them.
 
 mod costs;
-mod matrix;
-mod read;
 mod row;
 
-use super::Border;
 use super::digits::Digits;
 use crate::couple::Motion;
 use crate::dtw::row::{LANES, Row};
-use crate::dtw::symbols::{Content, Order, Symbols, Tables};
+use crate::dtw::symbols::{Symbols, Tables};
 use core::arch::x86_64::__m256i;
 use pulp::bytemuck::cast;
 use pulp::x86::V3;
@@ -30,17 +27,6 @@ impl Simd {
         Some(Self { v3: V3::try_new()?, digits: Digits::new(tables)? })
     }
 
-    /// [`Symbols::read`].
-    pub(crate) fn read(
-        &self,
-        tables: &Tables,
-        motions: &[Motion],
-        order: Order,
-        symbols: &mut Symbols,
-    ) -> Content {
-        self.v3.vectorize(read::Read { v3: self.v3, tables, motions, order, symbols })
-    }
-
     /// Computes the next row in place and returns its minimum; `None` if the frame has no symbols, and then nothing has changed.
     pub(crate) fn advance(
         &self,
@@ -54,27 +40,11 @@ impl Simd {
         let (v3, digits, rest) = (self.v3, &self.digits, tables.rest);
         Some(v3.vectorize(row::Advance { v3, digits, rest, frame, reference, length, row }))
     }
-
-    /// The value of the last cell of the DTW matrix of two sequences, given by symbols and length, `y` read backwards. `None` if it is above `bound`.
-    pub(crate) fn last_cell(
-        &self,
-        x: (&Symbols, usize),
-        y: (&Symbols, usize),
-        bound: i32,
-        border: &mut Border,
-    ) -> Option<i32> {
-        self.v3.vectorize(matrix::LastCell { v3: self.v3, digits: &self.digits, x, y, bound, border })
-    }
 }
 
 #[inline(always)]
 fn load(values: &[i32], at: usize) -> __m256i {
     cast(values[at..at + LANES].as_chunks::<LANES>().0[0])
-}
-
-#[inline(always)]
-fn store(values: &mut [i32], at: usize, vector: __m256i) {
-    values[at..at + LANES].as_chunks_mut::<LANES>().0[0] = cast(vector);
 }
 
 /// All values moved by one lane, the last one into the first lane.

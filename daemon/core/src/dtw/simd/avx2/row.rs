@@ -5,7 +5,7 @@ use super::{load, rotate, with_first};
 use crate::dtw::cost::UNREACHED;
 use crate::dtw::row::{LANES, Row};
 use crate::dtw::simd::digits::Digits;
-use crate::dtw::symbols::{BLOCK, Content, FRONT, PLANES, PLANES_FLAT, Symbols};
+use crate::dtw::symbols::{BLOCK, Content, PLANES, PLANES_FLAT, Symbols};
 use core::arch::x86_64::__m256i;
 use pulp::NullaryFnOnce;
 use pulp::bytemuck::cast;
@@ -54,7 +54,7 @@ impl Advance<'_> {
         for (block, cells) in row.blocks[..length.div_ceil(BLOCK)].iter_mut().enumerate() {
             let mut symbols = [unreached; N];
             for (symbols, plane) in symbols.iter_mut().zip(&self.reference.planes) {
-                *symbols = cast(plane[FRONT..].as_chunks::<BLOCK>().0[block]);
+                *symbols = cast(plane.as_chunks::<BLOCK>().0[block]);
             }
             let cost = of_frame.costs(v3, &symbols);
 
