@@ -17,46 +17,42 @@ pub(super) const PLANES_FLAT: usize = 3;
 /// Number of symbols of one feature: a shuffle looks up four bits.
 const SYMBOLS: usize = 16;
 
-/// The symbol of rest among directions on a circle. Its lowest four bits are 0, no direction, and it is at least 49 off every direction.
-const REST: u8 = 64;
+/// A shuffle looks up bytes, so a cost has two digits, `low + DIGIT * high`. Five low ones sum up to at most 5 * 51 = 255.
+pub(super) const DIGIT: i32 = 52;
+
+const _: () = assert!(PLANES as i32 * (DIGIT - 1) <= 255);
+
+/// Low and high digits of the costs of one symbol against each.
+pub(super) type Digits = [[u8; SYMBOLS]; 2];
 
 /// Costs of symbols. A motion has symbols if all its features are in range and there are at most 15 bins.
 #[derive(Clone, Debug)]
 pub(super) struct Tables {
-    /// For the ordered features, by the exclusive or of the symbols.
-    pub(super) ordered: [i32; SYMBOLS],
-    /// For a direction, by the difference of the symbols; the last entry is for 15 or more.
-    pub(super) apart: [i32; SYMBOLS],
-    /// For a direction, by the lowest four bits of both symbols.
-    direction: [[i32; SYMBOLS]; SYMBOLS],
-    /// The symbol of rest.
-    pub(super) rest: u8,
+    /// For the ordered features, by the symbol of one motion.
+    pub(super) ordered: [Digits; SYMBOLS],
+    /// For a direction, by its symbol, which is the number of the bin.
+    pub(super) direction: [Digits; SYMBOLS],
     /// Maximum direction.
-    pub(super) max: u8,
+    max: u8,
 }
 
 impl Tables {
-    /// `None` if there are too many bins.
+    /// `None` if there are too many bins, or if the sum of high digits could exceed 255.
     pub(super) fn new(costs: &IntegerCosts) -> Option<Self> {
-        let circle = costs.bins > 0;
-        let max = if circle { costs.bins } else { SYMBOLS as u8 - 1 };
+        let max = if costs.bins > 0 { costs.bins } else { SYMBOLS as u8 - 1 };
         if usize::from(max) >= SYMBOLS {
             return None;
         }
-        let scale = costs.scale;
-        let ordered = core::array::from_fn(|differ| {
+        let ordered = |one: usize, other: usize| {
+            let differ = (one ^ other) as i32;
             // Two bits for a_h (see `symbols`) and one for each jm.
-            let a_h = [0, 1, 1, 4][differ & 3];
-            costs.step * a_h + scale * ((differ as i32 >> 2 & 1) + (differ as i32 >> 3))
-        });
-        let direction = core::array::from_fn(|a| core::array::from_fn(|b| costs.direction(a as i8, b as i8)));
-        let apart = core::array::from_fn(|apart| match apart {
-            15 if circle => scale,
-            apart if circle && apart >= usize::from(max) => 0,
-            apart if circle => costs.direction(1, 1 + apart as i8),
-            apart => costs.direction(0, apart as i8),
-        });
-        Some(Self { ordered, apart, direction, rest: if circle { REST } else { 0 }, max })
+            let a_h = [0, 1, 1, 4][(differ & 3) as usize];
+            costs.step * a_h + costs.scale * ((differ >> 2 & 1) + (differ >> 3))
+        };
+        let direction = |one: usize, other: usize| costs.direction(one as i8, other as i8);
+        let ((ordered, most), (direction, most_of_direction)) = (digits(ordered), digits(direction));
+        let sum = most + (PLANES as i32 - 1) * most_of_direction;
+        (sum / DIGIT <= 255).then_some(Self { ordered, direction, max })
     }
 
     /// The symbols of a motion; `None` if a feature is out of range.
@@ -66,40 +62,21 @@ impl Tables {
         // -1, 0, 1 become 00, 01, 11: the number of bits that differ is the difference of the values.
         let a_h = a_h.wrapping_add(1);
         let ordered = a_h | a_h >> 1 | jm_hj << 2 | jm_jl << 3;
-        let mut directions = [phi_hj, phi_jl, theta_hj, theta_jl];
-        let mut fits = (a_h <= 2) & (jm_hj <= 1) & (jm_jl <= 1);
-        for direction in &mut directions {
-            fits &= *direction <= self.max;
-            *direction = if *direction == 0 { self.rest } else { *direction };
-        }
-        let [phi_hj, phi_jl, theta_hj, theta_jl] = directions;
+        let directions = [phi_hj, phi_jl, theta_hj, theta_jl];
+        let fits = a_h <= 2 && jm_hj <= 1 && jm_jl <= 1 && directions.iter().all(|bin| *bin <= self.max);
         fits.then_some([ordered, phi_hj, phi_jl, theta_hj, theta_jl])
-    }
-
-    /// Calls `each` with the costs of a frame and each of the first `length` motions of a sequence, in order.
-    #[inline]
-    pub(super) fn costs(
-        &self,
-        frame: [u8; PLANES],
-        sequence: &Symbols,
-        length: usize,
-        mut each: impl FnMut(i32),
-    ) {
-        let of_frame = |plane: usize| &self.direction[low(frame[plane])];
-        let directions = [of_frame(1), of_frame(2), of_frame(3), of_frame(4)];
-        let [ordered, planes @ ..] = sequence.planes.each_ref().map(|plane| &plane[..length]);
-        for index in 0..length {
-            let mut cost = self.ordered[low(ordered[index] ^ frame[0])];
-            for (direction, plane) in directions.iter().zip(planes) {
-                cost += direction[low(plane[index])];
-            }
-            each(cost);
-        }
     }
 }
 
-fn low(symbol: u8) -> usize {
-    usize::from(symbol) % SYMBOLS
+/// The digits of the costs of each symbol, and the greatest cost.
+fn digits(cost: impl Fn(usize, usize) -> i32) -> ([Digits; SYMBOLS], i32) {
+    let costs: [[i32; SYMBOLS]; SYMBOLS] =
+        core::array::from_fn(|one| core::array::from_fn(|other| cost(one, other)));
+    let most = costs.iter().flatten().copied().fold(0, i32::max);
+    (
+        costs.map(|costs| [costs.map(|cost| (cost % DIGIT) as u8), costs.map(|cost| (cost / DIGIT) as u8)]),
+        most,
+    )
 }
 
 /// What the symbols of a sequence tell.

@@ -5,7 +5,6 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
-mod digits;
 #[cfg(not(target_arch = "x86_64"))]
 mod none;
 

@@ -1,8 +1,7 @@
 //! Costs of 32 cells at once.
 
 use crate::dtw::row::LANES;
-use crate::dtw::simd::digits::{DIGIT, Digits};
-use crate::dtw::symbols::{BLOCK, PLANES};
+use crate::dtw::symbols::{BLOCK, DIGIT, Digits, PLANES, Tables};
 use core::arch::x86_64::__m256i;
 use pulp::bytemuck::cast;
 use pulp::x86::V3;
@@ -14,7 +13,7 @@ pub(super) type Costs = [__m256i; BLOCK / LANES];
 type DigitTables = [__m256i; 2];
 
 #[inline(always)]
-fn table(digits: [[u8; 16]; 2]) -> DigitTables {
+fn table(digits: Digits) -> DigitTables {
     [cast([digits[0], digits[0]]), cast([digits[1], digits[1]])]
 }
 
@@ -22,14 +21,6 @@ fn table(digits: [[u8; 16]; 2]) -> DigitTables {
 #[inline(always)]
 fn look_up(v3: V3, tables: DigitTables, indices: __m256i) -> [__m256i; 2] {
     [v3.avx2._mm256_shuffle_epi8(tables[0], indices), v3.avx2._mm256_shuffle_epi8(tables[1], indices)]
-}
-
-/// Difference of direction symbols, at most 15.
-#[inline(always)]
-fn apart(v3: V3, x: __m256i, y: __m256i) -> __m256i {
-    // Symbols are at most 64, so their difference fits a signed byte.
-    let apart = v3.avx2._mm256_abs_epi8(v3.avx2._mm256_sub_epi8(x, y));
-    v3.avx2._mm256_min_epu8(apart, v3.avx._mm256_set1_epi8(15))
 }
 
 #[inline(always)]
@@ -64,16 +55,11 @@ pub(super) struct OfFrame<const N: usize>([DigitTables; N]);
 
 impl<const N: usize> OfFrame<N> {
     #[inline(always)]
-    pub(super) fn new(v3: V3, digits: &Digits, rest: u8, frame: [u8; PLANES]) -> Self {
-        let mut symbols = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
-        let every: __m256i = cast([symbols, symbols]);
-        let own = v3.avx._mm256_set1_epi8(frame[0] as i8);
-        let mut tables = [look_up(v3, table(digits.ordered), v3.avx2._mm256_xor_si256(every, own)); N];
-        symbols[0] = rest;
-        let every = cast([symbols, symbols]);
-        for plane in 1..N {
-            let own = v3.avx._mm256_set1_epi8(frame[plane] as i8);
-            tables[plane] = look_up(v3, table(digits.apart), apart(v3, every, own));
+    pub(super) fn new(costs: &Tables, frame: [u8; PLANES]) -> Self {
+        let [ordered, directions @ ..] = frame.map(usize::from);
+        let mut tables = [table(costs.ordered[ordered]); N];
+        for (table_of, direction) in tables[1..].iter_mut().zip(directions) {
+            *table_of = table(costs.direction[direction]);
         }
         Self(tables)
     }

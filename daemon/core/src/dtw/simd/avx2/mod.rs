@@ -6,10 +6,10 @@
 mod costs;
 mod row;
 
-use super::digits::Digits;
 use crate::couple::Motion;
+use crate::dtw::cost::IntegerCosts;
 use crate::dtw::row::{LANES, Row};
-use crate::dtw::symbols::{Symbols, Tables};
+use crate::dtw::symbols::{Content, Symbols, Tables};
 use core::arch::x86_64::__m256i;
 use pulp::bytemuck::cast;
 use pulp::x86::V3;
@@ -18,27 +18,31 @@ use pulp::x86::V3;
 #[derive(Clone, Debug)]
 pub(crate) struct Simd {
     v3: V3,
-    digits: Digits,
+    tables: Tables,
 }
 
 impl Simd {
     /// `None` if the processor or the costs do not allow it.
-    pub(crate) fn new(tables: &Tables) -> Option<Self> {
-        Some(Self { v3: V3::try_new()?, digits: Digits::new(tables)? })
+    pub(crate) fn new(costs: &IntegerCosts) -> Option<Self> {
+        Some(Self { v3: V3::try_new()?, tables: Tables::new(costs)? })
     }
 
-    /// Computes the next row in place and returns its minimum; `None` if the frame has no symbols, and then nothing has changed.
+    /// [`Symbols::read`].
+    pub(crate) fn read(&self, motions: &[Motion], symbols: &mut Symbols) {
+        symbols.read(&self.tables, motions);
+    }
+
+    /// Computes the next row in place and returns its minimum. `None` if the reference or the frame has no symbols, and then nothing has changed.
     pub(crate) fn advance(
         &self,
-        tables: &Tables,
         frame: &Motion,
         reference: &Symbols,
         length: usize,
         row: &mut Row,
     ) -> Option<i32> {
-        let frame = tables.symbols(frame)?;
-        let (v3, digits, rest) = (self.v3, &self.digits, tables.rest);
-        Some(v3.vectorize(row::Advance { v3, digits, rest, frame, reference, length, row }))
+        let (v3, tables) = (self.v3, &self.tables);
+        let frame = tables.symbols(frame).filter(|_| reference.content != Content::Nothing)?;
+        Some(v3.vectorize(row::Advance { v3, tables, frame, reference, length, row }))
     }
 }
 

@@ -4,8 +4,7 @@ use super::costs::OfFrame;
 use super::{load, rotate, with_first};
 use crate::dtw::cost::UNREACHED;
 use crate::dtw::row::{LANES, Row};
-use crate::dtw::simd::digits::Digits;
-use crate::dtw::symbols::{BLOCK, Content, PLANES, PLANES_FLAT, Symbols};
+use crate::dtw::symbols::{BLOCK, Content, PLANES, PLANES_FLAT, Symbols, Tables};
 use core::arch::x86_64::__m256i;
 use pulp::NullaryFnOnce;
 use pulp::bytemuck::cast;
@@ -14,8 +13,7 @@ use pulp::x86::V3;
 /// Computes the next row in place and returns its minimum.
 pub(super) struct Advance<'a> {
     pub(super) v3: V3,
-    pub(super) digits: &'a Digits,
-    pub(super) rest: u8,
+    pub(super) tables: &'a Tables,
     pub(super) frame: [u8; PLANES],
     pub(super) reference: &'a Symbols,
     pub(super) length: usize,
@@ -27,7 +25,7 @@ impl NullaryFnOnce for Advance<'_> {
 
     #[inline(always)]
     fn call(self) -> i32 {
-        let is_frame_flat = self.frame[PLANES_FLAT..].iter().all(|elevation| *elevation == self.rest);
+        let is_frame_flat = self.frame[PLANES_FLAT..].iter().all(|elevation| *elevation == 0);
         if is_frame_flat && self.reference.content == Content::Flat {
             self.planes::<PLANES_FLAT>()
         } else {
@@ -45,7 +43,7 @@ impl Advance<'_> {
     fn planes<const N: usize>(self) -> i32 {
         let Self { v3, length, row, .. } = self;
         let (avx, avx2) = (v3.avx, v3.avx2);
-        let of_frame = OfFrame::<N>::new(v3, self.digits, self.rest, self.frame);
+        let of_frame = OfFrame::<N>::new(self.tables, self.frame);
         let unreached = avx._mm256_set1_epi32(UNREACHED);
         let mut corner = avx._mm256_set1_epi32(row.border);
         row.border = UNREACHED;
