@@ -3,38 +3,6 @@
 //! Multi-dimensional and dependent, with squared Euclidean local cost and without a window; the distance is the square root of
 //! the sum. [`OnlineDtw`] compares a growing sequence with one reference, frame by frame; [`distance`] compares two whole
 //! sequences; both return the same bits. [`path`] returns the warping path as well. All memory is fixed or the caller's.
-//!
-//! ```
-//! use andon_core::couple::Motion;
-//! use andon_core::dtw::{LocalCosts, OnlineDtw, Scratch, distance, distance_within, path, path_memory};
-//! use andon_core::job::LocalCost;
-//!
-//! let taught = [Motion([0; 7]), Motion([1, 0, 3, 0, 0, 0, 0]), Motion([0, 0, 3, 0, 0, 0, 0])];
-//! let seen = [Motion([0; 7]), Motion([1, 0, 3, 0, 0, 0, 0]), Motion([0, 0, 4, 0, 0, 0, 0])];
-//! let costs = LocalCosts::new(LocalCost::Circular { bins: 8 });
-//!
-//! // Frame by frame: the lower bound never falls, so above a threshold it stays above it.
-//! let mut online = OnlineDtw::new(&costs, &taught)?;
-//! let mut bound = 0.0;
-//! for frame in &seen {
-//!     online.append(frame)?;
-//!     assert!(online.lower_bound() >= bound);
-//!     bound = online.lower_bound();
-//! }
-//!
-//! // Two whole sequences: the same distance.
-//! let mut scratch = Scratch::new();
-//! let whole = distance(&costs, &seen, &taught, &mut scratch)?;
-//! assert_eq!(online.distance(), Some(whole));
-//! assert_eq!(distance_within(&costs, &seen, &taught, 0.1, &mut scratch)?, None);
-//!
-//! // The warping path, from the last pair back to the first.
-//! let mut memory = [[0; 32]; path_memory(3, 3)];
-//! let (distance, path) = path(&costs, &seen, &taught, &mut memory, &mut scratch)?;
-//! assert_eq!(distance, whole);
-//! assert!(path.eq([(2, 2), (1, 1), (0, 0)]));
-//! # Ok::<(), andon_core::dtw::Refused>(())
-//! ```
 
 mod batch;
 mod cost;
