@@ -3,7 +3,7 @@
 use super::cost::{IntegerCosts, UNREACHED};
 use super::row::{Row, slot};
 use super::simd::Simd;
-use super::symbols::{BLOCK, Content, Symbols};
+use super::symbols::{BLOCK, Symbols};
 use crate::couple::Motion;
 use crate::job::LocalCost;
 
@@ -37,7 +37,7 @@ impl LocalCosts {
 
     /// Writes the symbols of a sequence. It has none without a SIMD path.
     pub(super) fn read(&self, motions: &[Motion], symbols: &mut Symbols) {
-        symbols.content = Content::Nothing;
+        symbols.length = 0;
         self.simd.iter().for_each(|simd| simd.read(motions, symbols));
     }
 
@@ -50,7 +50,7 @@ impl LocalCosts {
         symbols: &Symbols,
     ) -> i32 {
         if let Some(simd) = &self.simd
-            && let Some(min) = simd.advance(frame, symbols, reference.len(), row)
+            && let Some(min) = simd.advance(frame, symbols, row)
         {
             return min;
         }

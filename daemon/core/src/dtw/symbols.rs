@@ -7,12 +7,8 @@ use crate::couple::Motion;
 /// Cells that are computed together: as many as a vector has bytes.
 pub(super) const BLOCK: usize = 32;
 
-/// Bytes of one motion: one for the ordered features `a_h, jm_hj, jm_jl` together, then `φ_hj, φ_jl, θ_hj, θ_jl`. The
-/// elevations come last because plane mode has none.
+/// Bytes of one motion: one for the ordered features `a_h, jm_hj, jm_jl` together, then `φ_hj, φ_jl, θ_hj, θ_jl`.
 pub(super) const PLANES: usize = 5;
-
-/// Bytes of one motion without elevations.
-pub(super) const PLANES_FLAT: usize = 3;
 
 /// Number of symbols of one feature: a shuffle looks up four bits.
 const SYMBOLS: usize = 16;
@@ -79,40 +75,27 @@ fn digits(cost: impl Fn(usize, usize) -> i32) -> ([Digits; SYMBOLS], i32) {
     )
 }
 
-/// What the symbols of a sequence tell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Content {
-    /// Nothing: the sequence has none under its costs.
-    Nothing,
-    /// All elevations are 0.
-    Flat,
-    /// Any elevation differs from 0.
-    Elevated,
-}
-
 /// The symbols of a sequence: a plane for each byte of a motion.
 #[derive(Clone, Debug)]
 pub(super) struct Symbols {
     pub(super) planes: [[u8; IU_FRAMES]; PLANES],
-    pub(super) content: Content,
+    /// How many motions there are; 0 where any of them has no symbols.
+    pub(super) length: usize,
 }
 
 impl Symbols {
     pub(super) const fn new() -> Self {
-        Self { planes: [[0; IU_FRAMES]; PLANES], content: Content::Nothing }
+        Self { planes: [[0; IU_FRAMES]; PLANES], length: 0 }
     }
 
-    /// Writes the symbols of at most [`IU_FRAMES`] motions; none, if a feature is out of range.
+    /// Writes the symbols of at most [`IU_FRAMES`] motions.
     pub(super) fn read(&mut self, tables: &Tables, motions: &[Motion]) {
-        self.content = Content::Nothing;
-        let mut elevations = 0;
-        for (index, motion) in motions.iter().take(IU_FRAMES).enumerate() {
+        for (index, motion) in motions.iter().enumerate() {
             let Some(symbols) = tables.symbols(motion) else { return };
-            elevations |= motion.0[1] | motion.0[4];
             for (plane, symbol) in self.planes.iter_mut().zip(symbols) {
                 plane[index] = symbol;
             }
         }
-        self.content = if elevations != 0 { Content::Elevated } else { Content::Flat };
+        self.length = motions.len();
     }
 }

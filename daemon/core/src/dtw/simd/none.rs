@@ -18,7 +18,7 @@ impl Simd {
         match *self {}
     }
 
-    pub(crate) fn advance(&self, _: &Motion, _: &Symbols, _: usize, _: &mut Row) -> Option<i32> {
+    pub(crate) fn advance(&self, _: &Motion, _: &Symbols, _: &mut Row) -> Option<i32> {
         match *self {}
     }
 }

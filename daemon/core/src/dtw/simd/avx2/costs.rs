@@ -51,13 +51,13 @@ fn widen(v3: V3, [low, high]: [__m256i; 2]) -> Costs {
 
 /// Tables for one frame against any symbol, one pair per plane.
 #[derive(Clone, Copy)]
-pub(super) struct OfFrame<const N: usize>([DigitTables; N]);
+pub(super) struct OfFrame([DigitTables; PLANES]);
 
-impl<const N: usize> OfFrame<N> {
+impl OfFrame {
     #[inline(always)]
     pub(super) fn new(costs: &Tables, frame: [u8; PLANES]) -> Self {
         let [ordered, directions @ ..] = frame.map(usize::from);
-        let mut tables = [table(costs.ordered[ordered]); N];
+        let mut tables = [table(costs.ordered[ordered]); PLANES];
         for (table_of, direction) in tables[1..].iter_mut().zip(directions) {
             *table_of = table(costs.direction[direction]);
         }
@@ -66,13 +66,13 @@ impl<const N: usize> OfFrame<N> {
 
     /// Costs of the frame against 32 motions, with one vector of symbols per plane.
     #[inline(always)]
-    pub(super) fn costs(&self, v3: V3, symbols: &[__m256i; N]) -> Costs {
+    pub(super) fn costs(&self, v3: V3, symbols: &[__m256i; PLANES]) -> Costs {
         let mut sums = look_up(v3, self.0[0], symbols[0]);
         #[allow(
             clippy::needless_range_loop,
             reason = "zipped iterators are not unrolled here: twice as slow"
         )]
-        for plane in 1..N {
+        for plane in 1..PLANES {
             sums = add(v3, sums, look_up(v3, self.0[plane], symbols[plane]));
         }
         widen(v3, sums)

@@ -9,7 +9,7 @@ mod row;
 use crate::couple::Motion;
 use crate::dtw::cost::IntegerCosts;
 use crate::dtw::row::{LANES, Row};
-use crate::dtw::symbols::{Content, Symbols, Tables};
+use crate::dtw::symbols::{Symbols, Tables};
 use core::arch::x86_64::__m256i;
 use pulp::bytemuck::cast;
 use pulp::x86::V3;
@@ -33,16 +33,10 @@ impl Simd {
     }
 
     /// Computes the next row in place and returns its minimum. `None` if the reference or the frame has no symbols, and then nothing has changed.
-    pub(crate) fn advance(
-        &self,
-        frame: &Motion,
-        reference: &Symbols,
-        length: usize,
-        row: &mut Row,
-    ) -> Option<i32> {
+    pub(crate) fn advance(&self, frame: &Motion, reference: &Symbols, row: &mut Row) -> Option<i32> {
         let (v3, tables) = (self.v3, &self.tables);
-        let frame = tables.symbols(frame).filter(|_| reference.content != Content::Nothing)?;
-        Some(v3.vectorize(row::Advance { v3, tables, frame, reference, length, row }))
+        let frame = tables.symbols(frame).filter(|_| reference.length > 0)?;
+        Some(v3.vectorize(row::Advance { v3, tables, frame, reference, row }))
     }
 }
 

@@ -4,7 +4,7 @@ use super::costs::OfFrame;
 use super::{load, rotate, with_first};
 use crate::dtw::cost::UNREACHED;
 use crate::dtw::row::{LANES, Row};
-use crate::dtw::symbols::{BLOCK, Content, PLANES, PLANES_FLAT, Symbols, Tables};
+use crate::dtw::symbols::{BLOCK, PLANES, Symbols, Tables};
 use core::arch::x86_64::__m256i;
 use pulp::NullaryFnOnce;
 use pulp::bytemuck::cast;
@@ -16,41 +16,28 @@ pub(super) struct Advance<'a> {
     pub(super) tables: &'a Tables,
     pub(super) frame: [u8; PLANES],
     pub(super) reference: &'a Symbols,
-    pub(super) length: usize,
     pub(super) row: &'a mut Row,
 }
 
 impl NullaryFnOnce for Advance<'_> {
     type Output = i32;
 
-    #[inline(always)]
-    fn call(self) -> i32 {
-        let is_frame_flat = self.frame[PLANES_FLAT..].iter().all(|elevation| *elevation == 0);
-        if is_frame_flat && self.reference.content == Content::Flat {
-            self.planes::<PLANES_FLAT>()
-        } else {
-            self.planes::<PLANES>()
-        }
-    }
-}
-
-impl Advance<'_> {
     /// In a plain loop each cell waits for the cell to its left: a minimum and an addition. Here the 32 cells of a block are first computed as if
     /// nothing came from the left, four in each lane. Then the lanes are combined in three steps of doubling width, without waiting for the block
     /// before. Last, the value from that block is added. Only one addition, one minimum and one broadcast then remain in the chain from block to
     /// block.
     #[inline(always)]
-    fn planes<const N: usize>(self) -> i32 {
-        let Self { v3, length, row, .. } = self;
-        let (avx, avx2) = (v3.avx, v3.avx2);
-        let of_frame = OfFrame::<N>::new(self.tables, self.frame);
+    fn call(self) -> i32 {
+        let Self { v3, row, .. } = self;
+        let (avx, avx2, length) = (v3.avx, v3.avx2, self.reference.length);
+        let of_frame = OfFrame::new(self.tables, self.frame);
         let unreached = avx._mm256_set1_epi32(UNREACHED);
         let mut corner = avx._mm256_set1_epi32(row.border);
         row.border = UNREACHED;
         let mut carry = unreached;
         let mut min = unreached;
         for (block, cells) in row.blocks[..length.div_ceil(BLOCK)].iter_mut().enumerate() {
-            let mut symbols = [unreached; N];
+            let mut symbols = [unreached; PLANES];
             for (symbols, plane) in symbols.iter_mut().zip(&self.reference.planes) {
                 *symbols = cast(plane.as_chunks::<BLOCK>().0[block]);
             }
