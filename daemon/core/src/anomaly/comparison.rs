@@ -184,18 +184,15 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
 
     /// Marks the comparisons that cannot come out right any more as lost. Returns whether all are.
     pub(super) fn all_lost(&mut self, observation: IuObservation) -> bool {
-        for (comparison, distance) in self.comparisons.iter_mut().zip(self.distances.as_ref()) {
-            comparison.is_lost |=
-                result(comparison, distance, observation, self.job, self.rate_hz).reason != Reason::None;
+        for number in 0..self.comparisons.len() {
+            self.comparisons[number].is_lost |= self.result(number, observation).reason != Reason::None;
         }
         self.comparisons.iter().all(|comparison| comparison.is_lost)
     }
 
     /// The results of all comparisons.
     pub(super) fn results(&self, observation: IuObservation) -> impl Iterator<Item = ComparisonResult> {
-        self.comparisons.iter().zip(self.distances.as_ref()).map(move |(comparison, distance)| {
-            result(comparison, distance, observation, self.job, self.rate_hz)
-        })
+        (0..self.comparisons.len()).map(move |number| self.result(number, observation))
     }
 
     /// The nearest result of those that are right, or of all if none is.
@@ -205,43 +202,38 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
             is_wrong(one).cmp(&is_wrong(other)).then(one.ratio().total_cmp(&other.ratio()))
         })
     }
-}
 
-/// Bounds come before the distance: that a motion was cut short explains its distance, not the other way round.
-fn result(
-    comparison: &Comparison<'_>,
-    dtw: &OnlineDtw<'_>,
-    observation: IuObservation,
-    job: &Job<'_>,
-    rate_hz: f32,
-) -> ComparisonResult {
-    let NominalIu { frames, reference, threshold, .. } = *comparison.iu;
-    let whole = dtw.distance().filter(|_| observation.ended && !comparison.is_lost);
-    let distance = whole.unwrap_or_else(|| dtw.lower_bound());
-    let distance = comparison.newest.into_iter().skip(1).fold(distance, f64::min);
-    // An open IU may still become as slow as the bounds allow.
-    let length = if observation.ended { observation.worked_frames() } else { frames.max };
-    let length = length.saturating_add(2 * u32::from(job.has_free_ends));
-    let threshold = threshold * slowdown_factor(length, reference.len(), job.max_slowdown);
-    let reason_of = |broken: Option<(Reason, Measure)>, threshold: f32| match broken {
-        Some((reason, _)) => reason,
-        None if distance > f64::from(threshold) => Reason::Motion,
-        None => Reason::None,
-    };
-    // In frames that were not seen, and beside them, motion is measured worse.
-    let assumed = observation.assumed as f32 / observation.frames.max(1) as f32;
-    let max = threshold * (1.0 + HIDDEN_SLACK * assumed);
-    let possible = observation.broken(comparison.iu, true);
-    // What is right only if something happened unseen is neither right nor wrong.
-    let is_certain = reason_of(possible, max) != Reason::None;
-    let (broken, max) =
-        if is_certain { (possible, max) } else { (observation.broken(comparison.iu, false), threshold) };
-    let reason = reason_of(broken, max);
-    let Comparison { nominal, index, iu, .. } = *comparison;
-    let ius = job.activities[nominal].ius;
-    // An activity of one IU may come again behind it.
-    let is_unique = ius.len() > 1 && ius.iter().filter(|other| other.context == iu.context).count() == 1;
-    let is_doubtful = !is_certain && reason != Reason::None || observation.explains(reason, is_unique);
-    let measured = broken.and_then(|broken| observation.measured(iu, broken, rate_hz));
-    ComparisonResult { nominal, index, reason, distance, threshold, measured, is_doubtful }
+    /// Bounds come before the distance: that a motion was cut short explains its distance, not the other way round.
+    fn result(&self, number: usize, observation: IuObservation) -> ComparisonResult {
+        let (comparison, dtw, job) = (&self.comparisons[number], &self.distances.as_ref()[number], self.job);
+        let NominalIu { frames, reference, threshold, .. } = *comparison.iu;
+        let whole = dtw.distance().filter(|_| observation.ended && !comparison.is_lost);
+        let distance = whole.unwrap_or_else(|| dtw.lower_bound());
+        let distance = comparison.newest.into_iter().skip(1).fold(distance, f64::min);
+        // An open IU may still become as slow as the bounds allow.
+        let length = if observation.ended { observation.worked_frames() } else { frames.max };
+        let length = length.saturating_add(2 * u32::from(job.has_free_ends));
+        let threshold = threshold * slowdown_factor(length, reference.len(), job.max_slowdown);
+        let reason_of = |broken: Option<(Reason, Measure)>, threshold: f32| match broken {
+            Some((reason, _)) => reason,
+            None if distance > f64::from(threshold) => Reason::Motion,
+            None => Reason::None,
+        };
+        // In frames that were not seen, and beside them, motion is measured worse.
+        let assumed = observation.assumed as f32 / observation.frames.max(1) as f32;
+        let max = threshold * (1.0 + HIDDEN_SLACK * assumed);
+        let possible = observation.broken(comparison.iu, true);
+        // What is right only if something happened unseen is neither right nor wrong.
+        let is_certain = reason_of(possible, max) != Reason::None;
+        let (broken, max) =
+            if is_certain { (possible, max) } else { (observation.broken(comparison.iu, false), threshold) };
+        let reason = reason_of(broken, max);
+        let Comparison { nominal, index, iu, .. } = *comparison;
+        let ius = job.activities[nominal].ius;
+        // An activity of one IU may come again behind it.
+        let is_unique = ius.len() > 1 && ius.iter().filter(|other| other.context == iu.context).count() == 1;
+        let is_doubtful = !is_certain && reason != Reason::None || observation.explains(reason, is_unique);
+        let measured = broken.and_then(|broken| observation.measured(iu, broken, self.rate_hz));
+        ComparisonResult { nominal, index, reason, distance, threshold, measured, is_doubtful }
+    }
 }

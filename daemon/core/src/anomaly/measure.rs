@@ -215,10 +215,4 @@ mod tests {
         assert_eq!(broken(1), Some((Reason::TooShort, Measure::Duration)));
         assert_eq!(broken(5), None);
     }
-
-    #[test]
-    fn an_axis_across_is_ninety_degrees_off() {
-        assert_eq!(degrees(2.0), 90.0);
-        assert!((degrees(libm::sqrtf(2.0)) - 45.0).abs() < 1e-4);
-    }
 }
