@@ -248,14 +248,16 @@ impl Job<'_> {
         self.activities.iter().map(|nominal| usize::from(nominal.activity)).collect()
     }
 
+    /// The activities whose law is so.
+    pub(crate) fn whose_law(&self, is_so: impl Fn(&Law) -> bool) -> ActivitySet {
+        self.numbers().iter().filter(|activity| is_so(&self.law(*activity))).collect()
+    }
+
     /// The first activity whose number is too high, or whose law names one that the job does not have. It may also be one that can never come because
     /// laws put it behind itself.
     pub fn misplaced(&self) -> Option<u16> {
-        let all = self.numbers();
-        let may_come = |came: ActivitySet| -> ActivitySet {
-            all.iter().filter(|activity| self.law(*activity).after().without(came).is_empty()).collect()
-        };
-        let came = all.iter().fold(ActivitySet::EMPTY, |came, _| may_come(came));
+        let may_come = |came: ActivitySet| self.whose_law(|law| law.after().without(came).is_empty());
+        let came = self.numbers().iter().fold(ActivitySet::EMPTY, |came, _| may_come(came));
         let can_come = |activity: u16| came.contains(activity.into());
         self.activities.iter().map(|nominal| nominal.activity).find(|activity| !can_come(*activity))
     }

@@ -109,9 +109,8 @@ struct JobState {
 
 impl JobState {
     fn new(job: &Job<'_>) -> Self {
-        let all = job.numbers();
-        let required = all.iter().filter(|activity| job.law(*activity).is_required).collect();
-        Self { required, carried_over: all, ..Self::default() }
+        let required = job.whose_law(|law| law.is_required);
+        Self { required, carried_over: job.numbers(), ..Self::default() }
     }
 }
 
@@ -359,32 +358,24 @@ impl<'a> Progress<'a> {
 
     /// The activities with which a job may begin: those that no law puts behind another one.
     fn first(&self) -> ActivitySet {
-        self.all.iter().filter(|activity| self.job.law(*activity).after().is_empty()).collect()
+        self.job.whose_law(|law| law.after().is_empty())
     }
 
     /// The activities that must not come a second time.
     fn once(&self) -> ActivitySet {
-        self.all.iter().filter(|activity| self.job.law(*activity).is_once).collect()
+        self.job.whose_law(|law| law.is_once)
     }
 
     /// The activities that laws put behind one of these, directly or by others between them.
     fn behind(&self, activities: ActivitySet) -> ActivitySet {
-        let all = self.all;
-        let step = |set: ActivitySet| {
-            let next =
-                all.iter().filter(|activity| self.job.law(*activity).after().intersects(set | activities));
-            set | next.collect()
-        };
-        all.iter().fold(ActivitySet::EMPTY, |set, _| step(set))
+        let step =
+            |set: ActivitySet| set | self.job.whose_law(|law| law.after().intersects(set | activities));
+        self.all.iter().fold(ActivitySet::EMPTY, |set, _| step(set))
     }
 
     /// The activities that came behind one of these in all runs, too many for chance: what was not seen is assumed to keep to that.
     fn usually_behind(&self, activities: ActivitySet) -> ActivitySet {
-        let is_behind = |activity: &usize| {
-            let law = self.job.law(*activity);
-            law.runs >= MIN_USUAL_RUNS && law.usually_after.intersects(activities)
-        };
-        self.all.iter().filter(is_behind).collect()
+        self.job.whose_law(|law| law.runs >= MIN_USUAL_RUNS && law.usually_after.intersects(activities))
     }
 
     /// Whether the job has any order.
@@ -500,8 +491,7 @@ impl<'a> Progress<'a> {
 
     /// What completes a nominal activity that does only a part is required now.
     fn require_rest_of(&mut self, nominal: usize) {
-        let completes = |activity: &usize| self.job.law(*activity).completes.contains(nominal);
-        self.state.required |= self.all.iter().filter(completes).collect();
+        self.state.required |= self.job.whose_law(|law| law.completes.contains(nominal));
     }
 
     /// An activity that is nearest to this nominal one was not judged.

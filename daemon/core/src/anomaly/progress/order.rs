@@ -24,7 +24,8 @@ impl Progress<'_> {
         let activity = usize::from(self.number(nominal)?);
         let law = self.job.law(activity);
         let broken = |fault, other| self.broken(fault, activity, other);
-        if law.is_once && self.is_repeated(side, activity) {
+        let is_of_this_job = law.is_once && !self.may_be_next_job(side);
+        if is_of_this_job && self.state.done.contains(activity) {
             return Some(broken(OrderFault::Again, activity));
         }
         let came = self.begun(side.other()).without(self.begun_after(side, &law));
@@ -32,8 +33,9 @@ impl Progress<'_> {
         let underway = self.underway_before(side);
         let not_ended = (law.after_end & underway).lowest();
         let others = (self.tried() | underway).without(ActivitySet::of(activity));
-        // Where this one is required and had certainly not come, the other one was accused.
-        let came_before = if self.is_late_or_repeated(side, activity) {
+        // If what must come behind it came before it, it is too late or comes again. Where it is required and had certainly not come, the other one
+        // was accused.
+        let came_before = if is_of_this_job {
             self.tried().without(self.state.wrong) & self.state.begins[side.index()].begun
         } else if law.is_required || self.possibly().contains(activity) {
             ActivitySet::EMPTY
@@ -146,13 +148,6 @@ impl Progress<'_> {
     /// Whether an activity comes a second time.
     fn is_repeated(&self, side: Side, activity: usize) -> bool {
         self.state.done.contains(activity) && !self.may_be_next_job(side)
-    }
-
-    /// Whether an activity that comes no second time, and has not been seen to come, comes in this job. If what must come behind it came before it,
-    /// it is too late or comes again.
-    fn is_late_or_repeated(&self, side: Side, activity: usize) -> bool {
-        let law = self.job.law(activity);
-        law.is_once && !self.state.done.contains(activity) && !self.may_be_next_job(side)
     }
 
     /// Whether all that is left may have come unseen, so that what comes again, or late, belongs to the next job. Two things are assumed. A job began
