@@ -110,8 +110,7 @@ impl Drift {
     pub(super) fn push(&mut self, now: Point, before: Point, has_seen_hand: bool) {
         let Some(known_before) = self.before else { return };
         let lay = *self.lay.get_or_insert(before);
-        let max_apart_m = self.known.max_apart_m();
-        let is_away = |at: Point| squared_distance(at, lay) > max_apart_m * max_apart_m;
+        let is_away = |at: Point| squared_distance(at, lay) > MAX_DRIFT_M * MAX_DRIFT_M;
         self.known.push(squared_distance(now, before));
         // One position that is misread says nothing. Hands that nobody has seen may make strokes about where it lay.
         if is_away(now) && is_away(before) || !has_seen_hand && self.known.is_motion() {
@@ -151,11 +150,6 @@ impl MeanSquare {
     /// How much larger the variance may be than it seems.
     fn uncertainty(self) -> f32 {
         1.0 + UNCERTAIN_FRAMES / f32::from(self.count)
-    }
-
-    /// How far apart two positions are at most at any times: a drift is nearly the same while a change is believed.
-    fn max_apart_m(self) -> f32 {
-        self.bound_m().map_or(MAX_DRIFT_M, |apart_m| (2.0 * apart_m).clamp(MOVED_M, MAX_DRIFT_M))
     }
 
     fn push(&mut self, square: f32) {
