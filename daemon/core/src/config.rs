@@ -1,4 +1,7 @@
 //! The constants of the method. The caller reads them from its configuration; reasons stand beside the defaults.
+//!
+//! Beside many constants of this crate stands how many of 3,700 drawn streams differ where one is changed alone. Of these 700 are of any couples, 2,500
+//! of scripted work with faults and gaps, and 500 of frames with gaps and noise. A stream differs if a verdict does, or a couple that is made of frames.
 
 use crate::capacity::{FILTER_FRAMES, PERSIST_FRAMES};
 use crate::input::Space;
@@ -55,18 +58,25 @@ impl Default for Method {
     fn default() -> Self {
         Self {
             space: Space::Plane,
+            // As most cameras have.
             rate_hz: 30.0,
+            // Four directions and those between them. With 4 or 16, every stream of frames differs, and 3 tests fail.
             bins: 8,
             // A fingertip pad is 1 cm from its landmark, and a grasp frame stands for about 4 cm of handle. A top view adds 1 cm of parallax. 3 cm is
             // half of their sum.
             hand_contact: Contact { on_m: 0.030, off_m: 0.045 },
             object_contact: Contact { on_m: 0.030, off_m: 0.045 },
+            // With 3 or 7, 554 or 574 of the drawn streams differ, and 21 or 17 tests of the method fail.
             persist_frames: 5,
+            // Halved or doubled, every stream of frames differs, and 2 tests or 1 fail.
             rest_speed_m_s: 0.03,
+            // Halved or doubled, 490 or all of the 500 streams of frames differ, and no test fails.
             dead_band_m_s2: 0.25,
             // Quick strokes to and fro change the sign of their acceleration every fourth frame: five would take that away from the quick only.
             filter_frames: 3,
+            // Halved or doubled, 344 or 300 of the drawn streams differ, and 11 or 7 tests of the method fail.
             blind_ms: 700,
+            // Halved or doubled, 66 or 46 of the drawn streams differ, and 3 or 4 tests fail.
             idle_end_ms: 4000,
         }
     }

@@ -112,10 +112,12 @@ pub struct NominalIu<'a> {
     pub measures: MeasureBounds,
 }
 
-/// The share of the time that was shown in which a person in a hurry does the same.
+/// The share of the time that was shown in which a person in a hurry does the same. With half of it 49 of 3,700 drawn streams of couples and frames are
+/// told otherwise. Without it, as if nobody hurried, it is 90, and 3 tests fail.
 const FASTEST_SHARE: f32 = 0.6;
 
-/// At least one in this many frames of a reference is work, and not a wait.
+/// At least one in this many frames of a reference is work, and not a wait. With one in two, 6 of 3,700 drawn streams differ, and without
+/// this limit 8.
 const FRAMES_PER_WORK_FRAME: u32 = 4;
 
 impl NominalIu<'_> {

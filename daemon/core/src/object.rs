@@ -6,7 +6,8 @@ use crate::config::Contact;
 use crate::input::Point;
 use heapless::Vec;
 
-/// No finger tip is farther from the middle of what it carries, in metres.
+/// No finger tip is farther from the middle of what it carries, in metres. Halved, 55 of 3,700 drawn streams differ. Doubled, it is 42,
+/// and what a hand is said to carry from afar fails 2 tests.
 pub const REACH_M: f32 = 0.3;
 
 /// The width of a hand, in metres. Nobody holds an object farther from where others do, or from where the station says. A shorter path has no

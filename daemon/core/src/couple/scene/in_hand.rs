@@ -337,13 +337,14 @@ impl Scene {
     }
 
     /// A hand that has moved this far along an object or away from it, in metres, does not hold it. It is half of the contact distance: a hand that
-    /// is seen inexactly seems farther away, and seems to slip as much.
+    /// is seen inexactly seems farther away, and seems to slip as much. With a quarter 114 of 3,700 drawn streams differ, and 157 with all.
     fn slipped_m(&self) -> f32 {
         self.method.hand_contact.on_m / 2.0
     }
 
     /// Whether the object moves with the hand: more than half as far as they move apart, and the hand over a quarter of its way. Two hands that carry
-    /// a part together do not hold it as stiffly as one.
+    /// a part together do not hold it as stiffly as one. The first share halved or doubled, 32 or 31 of 3,700 drawn streams differ, and 50 or
+    /// 52 of the second one.
     fn follows(&self, hand: usize, object: usize, age: usize) -> bool {
         self.relative_path(hand, object, age).is_some_and(|(newest, path_m)| {
             let (hands, poses) = (&self.hands[hand], &self.objects[object].poses);

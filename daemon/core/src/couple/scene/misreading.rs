@@ -12,7 +12,7 @@ use crate::input::Point;
 const MAX_ACCELERATION_M_S2: f32 = 60.0;
 
 /// The positions of hands and markers are as uncertain from one frame to the next, in metres. With less than 35 frames per second the
-/// acceleration alone allows more. Markers side by side are farther apart.
+/// acceleration alone allows more. Markers side by side are farther apart. Halved or doubled, 11 or 21 of 3,700 drawn streams differ.
 const NOISE_M: f32 = 0.05;
 
 /// What has jumped to where it is seen is not seen there unless it stays for as long as a change takes to be believed.

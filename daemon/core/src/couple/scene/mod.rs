@@ -74,7 +74,8 @@ pub(super) struct Scene {
     quantiser: Quantiser,
     /// A hand or object that has not been seen for more frames than this is out of sight (`blind_ms`).
     blind_frames: u32,
-    /// Motion is measured by positions within this time of the frame, in seconds.
+    /// Motion is measured by positions within this time of the frame, in seconds: those of the window, whose time stamps may jitter by half of it. What
+    /// lies behind a gap in the grid is none of them. With all of them 4 of 3,700 drawn streams differ, and 30 without the jitter.
     window_s: f64,
     precision: Precision,
     times_ns: Recent<u64>,

@@ -11,7 +11,8 @@ use super::{Node, Scene, squared_distance};
 use crate::capacity::HANDS;
 use crate::set::ObjectSet;
 
-/// What a seen hand carries may be lost for this many times `blind_ms`, by default two seconds: nobody puts it down and comes back sooner.
+/// What a seen hand carries may be lost for this many times `blind_ms`, by default two seconds: nobody puts it down and comes back sooner. With
+/// twice 40 of 3,700 drawn streams differ, and 26 with four times.
 const CARRIED_BLIND_TIMES: u32 = 3;
 
 impl Scene {
@@ -268,7 +269,8 @@ impl Scene {
         is_most(hand.count()) || objects.any(|(_, node)| is_object_hidden(node))
     }
 
-    /// Whether an object was first seen about when a hand began to act on it.
+    /// Whether an object was first seen about when a hand began to act on it: in the frames in which a contact comes to be known and to be believed.
+    /// With one or three times as many as the latter, 19 or 12 of 3,700 drawn streams differ.
     pub(super) fn is_new(&self, object: usize, age: usize) -> bool {
         self.objects[object].known_frames <= 2 * u32::from(self.method.persist_frames) + age as u32
     }
