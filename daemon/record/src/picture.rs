@@ -224,7 +224,8 @@ pub fn picture_in(message: &Entry) -> Result<Decoded, PictureError> {
 /// # Errors
 /// Bytes that are no JPEG, and one that is too large, before anything of it is decoded; then what OpenCV says.
 pub fn decode(jpeg: &[u8]) -> Result<Decoded, PictureError> {
-    // By the library with which OpenCV decodes it as well, so that both find the same size.
+    // By the library with which OpenCV decodes it as well, so that both find the same size. It refuses stray bytes between segments, which OpenCV
+    // skips: `capture` keeps no such picture of a camera, so that the recorder encodes it.
     let header = read_header(jpeg).ok();
     // One of tables alone has no columns.
     let Some(DecompressHeader { width, height, .. }) = header.filter(|header| header.width > 0) else {

@@ -169,11 +169,11 @@ fn decode(
     Ok(is_in_place && !frame.ends_with(&UNTOUCHED))
 }
 
-/// Puts a JPEG into the room behind the pixels, and says how long it is; 0 where it does not fit, or where it is not one that every program reads.
+/// Puts a JPEG into the room behind the pixels, and says how long it is. 0 where it does not fit, or not every program reads it.
 fn keep(jpeg: &[u8], room: &mut [u8]) -> u32 {
     let jpeg = without_filling(jpeg);
     match room.get_mut(..jpeg.len()) {
-        Some(place) if has_huffman_tables(jpeg) => {
+        Some(place) if is_for_every_program(jpeg) => {
             place.copy_from_slice(jpeg);
             // A frame has fewer bytes than this counts: each of its rows does.
             jpeg.len() as u32
@@ -182,10 +182,28 @@ fn keep(jpeg: &[u8], room: &mut [u8]) -> u32 {
     }
 }
 
-/// Whether the tables come before the picture (ITU-T T.81, DHT before SOS). In Motion JPEG they may be left out, because all pictures have the same.
-fn has_huffman_tables(jpeg: &[u8]) -> bool {
-    let markers = jpeg.windows(2).take_while(|marker| *marker != [0xff, 0xda]);
-    markers.into_iter().any(|marker| marker == [0xff, 0xc4])
+/// Whether the segments before the picture follow each other, and its tables are among them (ITU-T T.81, DHT before SOS). In Motion JPEG these may be
+/// left out, because all pictures have the same. Some cameras put stray bytes between segments: OpenCV skips them, and not every program does.
+fn is_for_every_program(jpeg: &[u8]) -> bool {
+    const TABLES: u8 = 0xc4;
+    const SCAN: u8 = 0xda;
+    let Some(mut rest) = jpeg.strip_prefix(&[0xff, 0xd8]) else { return false };
+    let mut has_tables = false;
+    loop {
+        rest = match *rest {
+            // Padding.
+            [0xff, 0xff, ..] => &rest[1..],
+            [0xff, SCAN, ..] => return has_tables,
+            [0xff, kind, high, low, ..] => {
+                has_tables |= kind == TABLES;
+                // Without the marker itself.
+                let length = usize::from(u16::from_be_bytes([high, low]));
+                let Some(after) = rest.get(2 + length..) else { return false };
+                after
+            }
+            _ => return false,
+        };
+    }
 }
 
 /// Whether the last bytes are the marker of an end.
@@ -262,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn a_jpeg_is_kept_behind_the_pixels_unless_it_does_not_fit_or_lacks_its_tables() {
+    fn a_jpeg_is_kept_behind_the_pixels_unless_it_does_not_fit_or_not_every_program_reads_it() {
         let file = jpeg(64, 48);
         let file = file.as_slice();
         let mut room = vec![0; file.len()];
@@ -273,6 +291,12 @@ mod tests {
         let tables = file.windows(2).position(|marker| marker == [0xff, 0xc4]).unwrap();
         let scan = file.windows(2).position(|marker| marker == [0xff, 0xda]).unwrap();
         assert_eq!(keep(&[&file[..tables], &file[scan..]].concat(), &mut room), 0);
+        let mut room = vec![0; file.len() + 3];
+        let with = |bytes: &[u8]| [&file[..tables], bytes, &file[tables..]].concat();
+        assert_ne!(keep(&with(&[0xff]), &mut room), 0, "padding");
+        assert_eq!(keep(&with(&[7, 7]), &mut room), 0, "stray bytes between two segments");
+        assert_eq!(keep(&file[..tables + 3], &mut room), 0, "a segment that is cut");
+        assert_eq!(keep(b"no picture", &mut room), 0);
     }
 
     #[test]
