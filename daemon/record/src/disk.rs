@@ -1,4 +1,4 @@
-//! Writes recordings in a thread of its own: a disk that is slow or full costs recordings, and never holds up the role that receives.
+//! Writes recordings in a thread of its own: a slow or full disk costs recordings, and never holds up the role that receives.
 
 use std::collections::HashSet;
 use std::fs::{File, OpenOptions};
@@ -106,7 +106,9 @@ impl Disk {
         let far = Arc::clone(&state);
         let trimmed = Instant::now();
         let said = HashSet::new();
-        let work = move || Work { folder, budget, tell, state: far, open: None, trimmed, said }.run(&taken);
+        let ended = Vec::new();
+        let work =
+            move || Work { folder, budget, tell, state: far, open: None, trimmed, ended, said }.run(&taken);
         let thread = std::thread::Builder::new().name("recordings".into()).spawn(work)?;
         Ok(Self { orders: Some(orders), told, state, thread: Some(thread), limit })
     }
@@ -204,6 +206,8 @@ struct Work {
     state: Arc<State>,
     open: Option<Open>,
     trimmed: Instant,
+    /// What was recorded here, and when it ended, by a clock that nobody sets. A clock that is stepped forward makes it no older.
+    ended: Vec<(PathBuf, Instant)>,
     /// What was said of recordings that cannot be repaired or removed: it is tried again and again, and says nothing new.
     said: HashSet<String>,
 }
@@ -308,6 +312,7 @@ impl Work {
         let Some(open) = self.open.take() else { return Ok(()) };
         let path = open.path.clone();
         open.finish().map_err(|error| (path.clone(), error))?;
+        self.ended.push((path.clone(), Instant::now()));
         self.tell(Told::Kept(path));
         self.trim();
         Ok(())
@@ -326,7 +331,10 @@ impl Work {
 
     fn trim(&mut self) {
         self.trimmed = Instant::now();
-        let done = store::enforce(&self.folder, &self.budget).unwrap_or_else(|error| {
+        let age = self.budget.age;
+        self.ended.retain(|(path, ended)| ended.elapsed() <= age && path.exists());
+        let young: Vec<&Path> = self.ended.iter().map(|(path, _)| path.as_path()).collect();
+        let done = store::enforce(&self.folder, &self.budget, &young).unwrap_or_else(|error| {
             let unremoved = vec![format!("{}: {error}", self.folder.display())];
             Enforced { removed: 0, unremoved }
         });
@@ -507,6 +515,24 @@ mod tests {
         for path in [recording, still] {
             assert_eq!(path.metadata().unwrap().permissions().mode() & 0o777, 0o600, "{}", path.display());
         }
+    }
+
+    #[test]
+    fn what_was_recorded_before_the_clock_was_set_is_as_old_as_it_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let budget = Budget { age: Duration::from_secs(86_400), ..budget() };
+        let mut disk = Disk::start(folder.path().into(), budget.clone(), 1 << 20).unwrap();
+        for _ in 0..2 {
+            // In 1970, as by a machine that has lost its time.
+            disk.begin(1, 0);
+            assert!(disk.write(entry(1000)));
+            disk.end();
+        }
+        disk.finish();
+        assert_eq!(store::files(folder.path()).unwrap().len(), 2);
+        // Who did not see it end knows only what it shows.
+        Disk::start(folder.path().into(), budget, 0).unwrap().finish();
+        assert!(store::files(folder.path()).unwrap().is_empty());
     }
 
     /// A recording whose recorder was killed.

@@ -61,7 +61,7 @@ pub fn recordings(folder: &Path) -> io::Result<Vec<Recording>> {
     Ok(files(folder)?.into_iter().map(with_index).collect())
 }
 
-/// What cannot be read shows nothing, and was made when its name says; who opens it by its name is told why it cannot be.
+/// What cannot be read shows nothing, and was made when its name says. Who opens it by its name is told why it cannot be.
 fn of_unread(recording: &Path) -> Index {
     let utc_ns = made_utc_ns(recording).unwrap_or_default();
     Index { began_utc_ns: utc_ns, ended_utc_ns: utc_ns, verdicts: Vec::new() }
@@ -162,8 +162,8 @@ fn named_utc_ns(recording: &Path) -> Option<u64> {
     u64::try_from(utc.as_nanosecond()).ok()
 }
 
-/// When what a recording shows was recorded: what its index says, or its name. A copy, or a backup that was put back, may have a file that is
-/// newer: its time counts only where nothing else is known. The recording itself is not read for it.
+/// When what a recording shows was recorded: what its index says, or its name. A copy, or a backup that was put back, may have a file that is newer.
+/// Its time counts only where nothing else is known. The recording itself is not read for it.
 fn made_utc_ns(recording: &Path) -> io::Result<u64> {
     let ended = Index::beside(recording).map(|index| index.ended_utc_ns).filter(|ended| *ended > 0);
     if let Some(utc_ns) = ended.or_else(|| named_utc_ns(recording)) {
@@ -251,11 +251,11 @@ pub struct Enforced {
 }
 
 /// Removes the oldest recordings until what is left is within the budget. What a recorder writes stays, whichever it is, and so does what cannot be
-/// removed, as somebody else's: then the next ones go.
+/// removed, as somebody else's: then the next ones go. `young` are not too old, whatever their times say.
 ///
 /// # Errors
 /// That the folder cannot be read.
-pub fn enforce(folder: &Path, budget: &Budget) -> io::Result<Enforced> {
+pub fn enforce(folder: &Path, budget: &Budget, young: &[&Path]) -> io::Result<Enforced> {
     for path in orphans(folder)? {
         // One that stays is tried again the next time.
         let _ = remove_file(&path);
@@ -266,6 +266,7 @@ pub fn enforce(folder: &Path, budget: &Budget) -> io::Result<Enforced> {
     for Group { recording, beside } in groups(folder)?.into_values() {
         let Some(path) = recording else { continue };
         let Some((bytes, is_too_old)) = size_and_age(&path, &beside, oldest_ns)? else { continue };
+        let is_too_old = is_too_old && !young.contains(&path.as_path());
         kept.push((path, bytes, is_too_old));
     }
     let mut total: u64 = kept.iter().map(|(_, bytes, _)| bytes).sum();
@@ -283,7 +284,7 @@ pub fn enforce(folder: &Path, budget: &Budget) -> io::Result<Enforced> {
     Ok(done)
 }
 
-/// The bytes of a recording and of everything beside it, and whether all of it was recorded before this time; `None` where somebody has removed it
+/// The bytes of a recording and of everything beside it, and whether all of it was recorded before this time. `None` where somebody has removed it
 /// meanwhile.
 fn size_and_age(recording: &Path, beside: &[PathBuf], oldest_ns: u64) -> io::Result<Option<(u64, bool)>> {
     let size = |path: &PathBuf| fs::metadata(path).map(|file| file.len());
@@ -382,11 +383,11 @@ mod tests {
         let written = fs::File::open(folder.path().join(&of_day([(3, "mcap")])[0])).unwrap();
         assert!(lock(&written));
         let budget = Budget { bytes: 2500, ..GENEROUS };
-        assert_eq!(enforce(folder.path(), &budget).unwrap().removed, 1);
+        assert_eq!(enforce(folder.path(), &budget, &[]).unwrap().removed, 1);
         let [second, third] = of_day([(2, "mcap"), (3, "mcap")]);
         assert_eq!(names(folder.path()), [second.as_str(), &third, "journal.sqlite"]);
         let budget = Budget { bytes: 0, ..GENEROUS };
-        assert_eq!(enforce(folder.path(), &budget).unwrap().removed, 1);
+        assert_eq!(enforce(folder.path(), &budget, &[]).unwrap().removed, 1);
         assert_eq!(names(folder.path()), [third.as_str(), "journal.sqlite"]);
         assert_eq!(remove(&folder.path().join(&third)).unwrap(), Removed::InUse);
         drop(written);
@@ -404,7 +405,7 @@ mod tests {
             path
         });
         assert_eq!(files(folder.path()).unwrap(), made);
-        assert_eq!(enforce(folder.path(), &Budget { bytes: 1500, ..GENEROUS }).unwrap().removed, 2);
+        assert_eq!(enforce(folder.path(), &Budget { bytes: 1500, ..GENEROUS }, &[]).unwrap().removed, 2);
         assert_eq!(files(folder.path()).unwrap(), made[2..]);
     }
 
@@ -412,14 +413,14 @@ mod tests {
     fn what_lies_beside_no_recording_goes_and_what_is_somebody_elses_stays() {
         let theirs = ["notes.json", "run.mcap", "run.mp4", "run.tracks.jsonl"];
         let folder = folder_of([(1, "json"), (1, "7-1.jpg"), (2, "mcap"), (2, "json")], &theirs);
-        assert_eq!(enforce(folder.path(), &Budget { bytes: 0, ..GENEROUS }).unwrap().removed, 1);
+        assert_eq!(enforce(folder.path(), &Budget { bytes: 0, ..GENEROUS }, &[]).unwrap().removed, 1);
         assert_eq!(names(folder.path()), theirs);
     }
 
     #[test]
     fn a_folder_that_is_not_there_yet_has_nothing_to_be_removed() {
         let home = tempfile::tempdir().unwrap();
-        let done = enforce(&home.path().join("recordings"), &GENEROUS).unwrap();
+        let done = enforce(&home.path().join("recordings"), &GENEROUS, &[]).unwrap();
         assert!(done.removed == 0 && done.unremoved.is_empty(), "{done:?}");
         assert!(orphans(&home.path().join("recordings")).unwrap().is_empty());
     }
@@ -430,7 +431,7 @@ mod tests {
         // As little as the file of another user is a folder of this name one that can be removed.
         let [first] = of_day([(1, "mcap")]);
         fs::create_dir(folder.path().join(&first)).unwrap();
-        let done = enforce(folder.path(), &Budget { bytes: 0, ..GENEROUS }).unwrap();
+        let done = enforce(folder.path(), &Budget { bytes: 0, ..GENEROUS }, &[]).unwrap();
         assert!(
             done.removed == 2 && done.unremoved.len() == 1 && done.unremoved[0].contains(&first),
             "{done:?}"
@@ -480,7 +481,7 @@ mod tests {
         let index = Index { ended_utc_ns: now * 1_000_000_000, ..Index::default() };
         index.write_beside(&made[1]).unwrap();
         let budget = Budget { age: Duration::from_secs(3 * DAY), ..GENEROUS };
-        assert_eq!(enforce(folder.path(), &budget).unwrap().removed, 1);
+        assert_eq!(enforce(folder.path(), &budget, &[]).unwrap().removed, 1);
         assert_eq!(files(folder.path()).unwrap(), made[1..]);
     }
 
@@ -491,7 +492,7 @@ mod tests {
         // A journal that may grow beyond every disk.
         let budget = Budget { journal: Some((journal, u64::MAX / 2)), ..GENEROUS };
         assert!(lacks_room(folder.path(), &budget));
-        assert_eq!(enforce(folder.path(), &budget).unwrap().removed, 1);
+        assert_eq!(enforce(folder.path(), &budget, &[]).unwrap().removed, 1);
         assert_eq!(names(folder.path()), ["journal.sqlite"]);
     }
 
