@@ -58,7 +58,7 @@ pub struct Record {
     pub file_mb: u32,
     /// Size of all recordings together from which on the oldest are removed, MB.
     pub keep_mb: u32,
-    /// Age at which recordings are removed, days.
+    /// Age at which recordings are removed, by what they show, days.
     pub keep_days: u32,
     /// Quality of the pictures as JPEG.
     pub quality: u8,
@@ -147,7 +147,7 @@ impl Record {
             "keep_days",
             &mut self.keep_days,
             within(1, 3650, "days"),
-            "Recordings that are older are removed.",
+            "Recordings are removed once all that they show is older. How old the file is does not matter.",
         );
         k.key(
             "quality",
