@@ -74,15 +74,42 @@ fn each_command_is_on_the_page_of_commands() {
     }
 }
 
+/// The files of the repository that a page links to or shows, by their paths from its root.
+fn links(page: &str, text: &str) -> Vec<String> {
+    let folder = Path::new(page).parent().unwrap();
+    let targets = text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
+    let targets: Vec<&str> = targets.filter(|target| !target.is_empty()).collect();
+    assert!(targets.len() > 3, "{page}: {targets:?}");
+    // A page lies in a folder of the root, or in the root itself.
+    let path = |target: &str| match target.strip_prefix("../") {
+        Some(beside) => beside.to_owned(),
+        None => folder.join(target).to_string_lossy().into_owned(),
+    };
+    targets.into_iter().map(path).collect()
+}
+
 #[test]
 fn each_link_of_a_page_leads_to_a_file() {
     for (page, text) in pages() {
-        let folder = root().join(page).parent().unwrap().to_path_buf();
-        let targets = text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
-        let targets: Vec<&str> = targets.filter(|target| !target.is_empty()).collect();
-        assert!(targets.len() > 3, "{page}: {targets:?}");
-        for target in targets {
-            assert!(folder.join(target).exists(), "{page}: {target}");
+        for target in links(page, &text) {
+            assert!(root().join(&target).exists(), "{page}: {target}");
+        }
+    }
+}
+
+/// The guide of the package showed no picture: it was in the repository alone.
+#[test]
+fn what_a_page_links_to_lies_in_the_package_where_the_page_looks_for_it() {
+    // For who builds from the sources. The licences are in the file `copyright`.
+    const SOURCES: [&str; 3] = [".github/CONTRIBUTING.md", "LICENSE-APACHE", "LICENSE-MIT"];
+    let manifest = text_of("daemon/andond/Cargo.toml");
+    for (page, text) in pages() {
+        for target in links(page, &text).into_iter().filter(|target| !SOURCES.contains(&target.as_str())) {
+            let (folder, name) = target.rsplit_once('/').unwrap_or(("", &target));
+            let name = if name.ends_with(".jpg") { "*.jpg" } else { name };
+            let place = Path::new("usr/share/doc/andon").join(folder).join("");
+            let asset = format!("{name}\", \"{}\"", place.display());
+            assert!(manifest.contains(&asset), "{page}: {target} is not in the package: {asset}");
         }
     }
 }
