@@ -61,7 +61,7 @@ codes! {
         WrongObject = 1,
         /// Wrong order: the IU belongs to the activity, or the activity to the job, but not at this point.
         WrongOrder = 2,
-        /// Wrong motion: the DTW distance exceeds the threshold of every candidate.
+        /// Wrong motion: its DTW distance exceeds the threshold of every taught activity that is still possible.
         Motion = 3,
         /// Fewer frames, or fewer reversals of the movement, than the demonstrations allow.
         TooShort = 4,
@@ -177,7 +177,7 @@ wire! { "andon.Verdict", 192;
         decided_utc_ns: u64,
         /// The job.
         job_id: u32,
-        /// DTW distance to the nearest nominal; NaN when none was computed.
+        /// DTW distance to the nearest taught motion; NaN when none was computed.
         distance: f32,
         /// The threshold for that distance; NaN when there is none.
         threshold: f32,

@@ -11,7 +11,7 @@ use std::process::ExitCode;
 pub enum Code {
     /// It was asked to stop, or its work is done.
     Stopped = 0,
-    /// A tool has found what speaks against doing what it was asked for, and has not done it: it says what, and what to do.
+    /// A tool has found what speaks against doing what it was asked for, and has not done it. It says what, and what to do.
     Declined = 1,
     /// The command line is wrong (`EX_USAGE`). A restart would not help: the units do not try.
     Usage = 64,
@@ -35,7 +35,7 @@ impl From<Code> for ExitCode {
     }
 }
 
-/// Whether a tool has failed because nobody reads what it prints any more.
+/// Whether a tool has failed because its output pipe was closed.
 pub fn is_reader_gone(failure: &(dyn Error + 'static)) -> bool {
     let mut cause = Some(failure);
     while let Some(error) = cause {

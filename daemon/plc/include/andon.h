@@ -60,7 +60,7 @@ enum AndonReason {
    */
   ANDON_REASON_WRONG_ORDER = 2,
   /**
-   * Wrong motion: the DTW distance exceeds the threshold of every candidate.
+   * Wrong motion: its DTW distance exceeds the threshold of every taught activity that is still possible.
    */
   ANDON_REASON_MOTION = 3,
   /**
@@ -355,7 +355,7 @@ typedef struct AndonVerdict {
    */
   uint32_t job_id;
   /**
-   * DTW distance to the nearest nominal; NaN if none was computed.
+   * DTW distance to the nearest taught motion; NaN if none was computed.
    */
   float distance;
   /**
@@ -387,11 +387,11 @@ typedef struct AndonVerdict {
    */
   uint16_t iu;
   /**
-   * Index of the nominal activity that it was judged against, or ANDON_NO_INDEX.
+   * Index of the taught activity that it was judged against, or ANDON_NO_INDEX.
    */
   uint16_t nearest;
   /**
-   * Index of the other nominal activity of the order that was broken, or ANDON_NO_INDEX.
+   * Index of the other taught activity of the order that was broken, or ANDON_NO_INDEX.
    */
   uint16_t broken_activity;
   /**

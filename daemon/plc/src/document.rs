@@ -113,7 +113,6 @@ Generated from `daemon/plc/src/registers` by `cargo run -p andon-plc --example r
 | judge | the process that compares what is done with the job |
 | job | the recipe that is loaded, and one execution of it |
 | activity, IU | a step of the job, and one contact of a hand and a part within it |
-| nominal | taught: the reference that the work is compared with |
 | part, part id | the workpiece and its serial number |
 | result | a verdict that is offered: `ok` is good quality, `nok` is bad quality (an anomaly), and `not-judged` is uncertain: it is neither |
 | `ready` and not `busy`, `busy`, `error` | in PackML about Idle, Execute and Aborted |

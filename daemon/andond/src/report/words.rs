@@ -258,7 +258,7 @@ impl Names {
             (Reason::BrokenOff, _) => "not watched to its end",
             (Reason::FramesMissing, _) => "no frames for a while",
             (Reason::TooFewFrames, _) => "too few frames",
-            (Reason::Passing, _) => "parts only near each other",
+            (Reason::Passing, _) => "contact of parts not certain",
             (Reason::MarkerTwice, _) => "marker in view twice",
         };
         Some(match verdict.nearest {

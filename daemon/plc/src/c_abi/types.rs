@@ -68,7 +68,7 @@ pub struct AndonVerdict {
     pub decided_utc_ns: u64,
     /// The job that is watched.
     pub job_id: u32,
-    /// DTW distance to the nearest nominal; NaN if none was computed.
+    /// DTW distance to the nearest taught motion; NaN if none was computed.
     pub distance: f32,
     /// The threshold that the distance was compared with; NaN if there is none.
     pub threshold: f32,
@@ -84,9 +84,9 @@ pub struct AndonVerdict {
     pub activity: u16,
     /// Index of the IU in its activity, from 0, or ANDON_NO_INDEX.
     pub iu: u16,
-    /// Index of the nominal activity that it was judged against, or ANDON_NO_INDEX.
+    /// Index of the taught activity that it was judged against, or ANDON_NO_INDEX.
     pub nearest: u16,
-    /// Index of the other nominal activity of the order that was broken, or ANDON_NO_INDEX.
+    /// Index of the other taught activity of the order that was broken, or ANDON_NO_INDEX.
     pub broken_activity: u16,
     /// How many of the runs that were shown keep that order.
     pub broken_runs: u16,
@@ -112,8 +112,8 @@ pub struct AndonVerdict {
     pub part: [c_char; ANDON_PART_BYTES],
 }
 
-/// Takes a verdict from the wire: the fields that C has as the wire has them, and those that C has not. Each field of the wire is named once,
-/// so that a new one does not compile before it is in one of the two lists.
+/// Takes a verdict from the wire: the fields that C has as the wire has them, and those that C has not. Each field of the wire is named once: a new
+/// one does not compile before it is in one of the two lists.
 macro_rules! from_wire {
     (same: $($same:ident)+, left out: $($left_out:ident)+) => {
         impl From<&Verdict> for AndonVerdict {

@@ -192,7 +192,7 @@ pub const MAP: &[Register] = &[
         25,
         "nearest",
         Get::U16(|i| of(i).nearest),
-        "index of the nominal activity that it was judged against, from 0; 65535 none",
+        "index of the taught activity that it was judged against, from 0; 65535 none",
     ),
     read(
         26,
@@ -219,7 +219,7 @@ pub const MAP: &[Register] = &[
         Get::U16(|i| of(i).early.into()),
         "1 if the verdict came before the IU ended, otherwise 0",
     ),
-    read(31, "distance", Get::F32(|i| of(i).distance), "DTW distance to the nearest nominal; NaN none"),
+    read(31, "distance", Get::F32(|i| of(i).distance), "DTW distance to the nearest taught motion; NaN none"),
     read(
         33,
         "threshold",
