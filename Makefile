@@ -56,13 +56,13 @@ test-times: test
 bench: setup test-packages line
 	python3 tests/benches/report.py
 
-# Kills, stops and restarts every role, the recorder and the PLC's program at random, 1,000 kills, which a quiet machine does in half an hour. Of a
-# hundred roles 99 must be back within 600 ms. SEED=n repeats a run. Writes target/chaos/report.json.
+# Kills, stops and restarts every role, the recorder and the PLC's program at random. A quiet machine does the 1,000 kills in half an hour.
+# Of a hundred roles 99 must be back within 600 ms. SEED=n repeats a run. Writes target/chaos/report.json.
 SEED = $(shell shuf -i 1-99999 -n 1)
 chaos: line test-packages
 	target/release/chaos 1000 $(SEED) target/chaos/report.json 600
 
-# Plays the clips at 30 Hz through 4, 6, 8 and 10 stations at once, and says which share of their frames is looked at.
+# Plays the clips at 30 Hz through 4, 6, 8 and 10 stations at once, and says what share of their frames is seen.
 stations: setup line
 	tests/benches/stations.py
 

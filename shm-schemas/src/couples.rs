@@ -15,7 +15,7 @@ wire! { "andon.HandCouple", 60;
         position_m: [f32; 3],
         /// The finger tips on the bench in metres; NaN where they were neither seen nor assumed, or the hand does not act.
         tips_m: [f32; 3],
-        /// How far apart two positions of `o_j`, in the frame of `o_l` if there is one, may be by drift, in metres. 0 where that is not known.
+        /// How far apart two positions of `o_j`, in the frame of `o_l` if any, may be by drift, in metres. 0 where unknown.
         drift_m: f32,
         /// `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]`; it means nothing where it was not measured.
         x_m: [i8; 7],
@@ -28,7 +28,7 @@ wire! { "andon.HandCouple", 60;
         /// The object because of which the frame does not show what the hand does, as it is hidden; 0 where there is none.
         hidden_object: u16,
         /// What was not seen, one bit for each. 0 is a frame, 1 the context in the frame itself, 2 whether it has changed, and 3 which object the
-        /// hand took. 4 is `o_j` or `o_l` up to just before this began, 5 how one of them came to where this began.
+        /// hand took. 4 is `o_j` or `o_l` up to just before this began. 5 is how one of them came to where this began.
         unseen: u16,
     }
 }

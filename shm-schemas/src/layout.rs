@@ -6,7 +6,7 @@
 /// Only plain integers, `f32`, arrays of them and `repr(C)` structs of them without padding: no pointer, no handle,
 /// every bit pattern valid. [`wire!`] proves this for structs; the rest is in this file.
 pub unsafe trait Layout: Copy + 'static {
-    /// Changes when the name, the type, the order or the offset of a field changes, in this type or in a type of its fields.
+    /// Changes when the name, type, order or offset of a field changes, in this type or in a type of its fields.
     const HASH: u64;
 
     /// All bytes are 0.
@@ -74,8 +74,7 @@ pub(crate) const fn fold_str(mut hash: u64, text: &str) -> u64 {
 
 /// Declares a wire struct: `wire! { "type name on the wire", size in bytes; /// docs struct Name { field: Type, } }`.
 ///
-/// It checks at compile time that every field is [`Layout`], that the size is the one stated and that the fields fill it without
-/// padding.
+/// It checks at compile time that every field is [`Layout`], that the size is as stated, and that the fields fill it without padding.
 macro_rules! wire {
     ($type_name:literal, $bytes:literal; $(#[$doc:meta])* struct $name:ident {
         $( $(#[$field_doc:meta])* $field:ident: $ty:ty, )*

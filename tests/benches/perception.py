@@ -1,6 +1,6 @@
 """Measures how fast the line sees: beside a pipeline of Python's mediapipe and OpenCV on the same films, and beside the bare models.
 
-The films are the shipped clip in several sizes, with one hand and with two: the second one is the first one mirrored, beside it. `andond demo`
+The films are the shipped clip in several sizes, with one hand and with two. The second one is the first one mirrored, beside it. `andond demo`
 plays them through every role, once as fast as possible and once at the rate of a camera.
 """
 

@@ -1,7 +1,7 @@
 """What a stereo camera would see of the footage: a depth picture from the ground truth of one frame.
 
 World: metres, table at z = 0, z up (tests/footage/README.md). The table is a plane, each part a box under its marker,
-the hand a row of balls along its bones. Then the picture gets what a real stereo pair does to it: the far side of every
+the hand a row of balls along its bones. Then the picture gets what a real stereo pair does to it. The far side of every
 edge is hidden from the second imager (no depth there), edges are fattened by the matching window and blurred into points
 that fly between near and far, the disparity is noisy in patches, and some pixels have no match at all.
 

@@ -194,7 +194,7 @@ fn files(directory: &Path, part: &str) -> Vec<PathBuf> {
     files.into_iter().filter(|path| path.to_string_lossy().contains(part)).chain(below).collect()
 }
 
-/// This is what a steward leaves that is killed after it has removed the shared part of a service and before it removes the rest.
+/// This is what a steward leaves that is killed after it has removed the shared part of a service, before the rest.
 #[test]
 fn services_whose_removal_was_cut_short_are_removed_by_the_next_steward() {
     let bench = Bench::new("cutshort");

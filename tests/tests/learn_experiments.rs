@@ -16,7 +16,7 @@ use std::path::PathBuf;
 /// A seed that played no part in the choice of the rules, where people do not matter. What is counted is drawn.
 const SEED: u64 = 2001;
 
-/// Number of people in the first experiment: a few are enough to see the clusters, and need a tenth of the time of all ten.
+/// Number of people in the first experiment: a few show the clusters, and need a tenth of the time of all ten.
 const PEOPLE: u32 = 4;
 
 /// Number of activities in the second experiment.

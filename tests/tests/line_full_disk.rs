@@ -136,7 +136,7 @@ impl Bench {
     }
 }
 
-/// A picture of the first four markers of DICT_4X4_50, 400 pixels apart from left to right and 240 from top to bottom, as a BMP.
+/// A picture of the first four markers of DICT_4X4_50, 400 pixels apart from left to right and 240 downwards, as a BMP.
 fn four_markers() -> Vec<u8> {
     const WIDTH: u32 = 640;
     const HEIGHT: u32 = 480;
@@ -252,7 +252,7 @@ fn whatever_prints_notices_that_nothing_takes_it() {
     }
 }
 
-/// A log that cannot be written must not end the line, and a tool whose words nobody can read says so by its exit code.
+/// A log that cannot be written must not end the line. A tool whose words nobody can read says so by its exit code.
 #[test]
 fn a_full_disk_under_the_log_ends_no_role() {
     let mut line = Line::new(Settings::default());

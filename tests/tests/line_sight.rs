@@ -158,7 +158,7 @@ fn a_picture_that_stands_still_is_said_everywhere_and_undone_when_it_is_over() {
 
 #[test]
 fn parts_that_move_without_a_hand_are_said_everywhere_and_undone_when_they_lie_still() {
-    // The upper half of a picture without a hand, in which the brick wanders to the right from the second second on, then lies still.
+    // The upper half of a picture without a hand, in which the brick moves to the right after two seconds, then lies still.
     let film = format!(
         "crop=640:235:0:0,pad=640:480:0:0:0x9a7550,split[a][b];[b]crop=120:50:260:164[brick];\
          [a]drawbox=260:164:120:50:0x9a7550:t=fill[bench];\

@@ -66,7 +66,7 @@ fn check(state: &State) {
 }
 
 /// A row in which a role does not run for some seconds: only the line can know it. The newest detections wait for a role that is only stopped, as many
-/// as `kept`: how long that is depends on how fast the machine detects. Only what came before them is lost.
+/// as `kept`: how long that is depends on the machine. Only what came before them is lost.
 fn check_down(
     role: &'static str,
     kept: usize,
@@ -116,8 +116,8 @@ fn newest_detected(detections: &mut Reader<Detections>) -> Option<f64> {
     detected(detections).last().copied()
 }
 
-/// The newest of [`detected`] that is lost to who keeps as many of those after it; waits until it comes after this time, or the film ends. On a machine
-/// that is so busy that it looks at no more pictures than these, none is lost.
+/// The newest of [`detected`] that is lost to who keeps as many of those after it. Waits until it comes after this time, or the film ends. On a
+/// machine that is so busy that it looks at no more pictures than these, none is lost.
 fn until_detected(
     watcher: &mut Watcher,
     detections: &mut Reader<Detections>,

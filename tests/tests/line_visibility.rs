@@ -5,8 +5,7 @@ use andon_core::input::Frame;
 use andon_tests::line::{Line, Settings};
 use shm_schemas::{RoleId, RoleState, VerdictOutcome, VerdictReason};
 
-/// The first IU of the line's recording in which something is touched: the id of the object, and the IU's begin and end in
-/// seconds.
+/// The first IU of the line's recording in which something is touched: the object's id, and the IU's begin and end in seconds.
 fn first_touch(line: &Line) -> (u16, f64, f64) {
     let output = line.command("segment", &["--json", line.tracks().to_str().unwrap()]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -146,7 +146,7 @@ impl Recording {
         path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("jsonl"))
     }
 
-    /// Whether this is the name of a recording that says itself what its station can see: a track file, or one of the role `record`.
+    /// Whether this names a recording that says itself what its station can see: a track file, or one of the role `record`.
     pub fn knows_its_station(path: &Path) -> bool {
         Self::is_tracks(path) || blackbox::is_recording(path)
     }

@@ -31,7 +31,7 @@ impl<'j> Watch<'j> {
         self.judge.is_between_jobs()
     }
 
-    /// Whether the time of these couples is before that of the newest: the source has started again, and the job must be broken off first.
+    /// Whether the time of these couples is before that of the newest. Then the source has started again, and the job must be broken off first.
     pub fn begins_again(&self, couples: &Couples) -> bool {
         couples.captured_ns < self.newest_ns
     }

@@ -188,8 +188,8 @@ fn the_ius_of_a_film_are_those_of_its_truth() {
         let contexts = |of: &[([u64; 4], f64)]| of.iter().map(|(context, _)| *context).collect::<Vec<_>>();
         assert_eq!(contexts(&ius), contexts(&truth), "{name}");
         for ((context, began_s), (_, true_s)) in ius.iter().zip(&truth) {
-            // The truth's hand touches when it grasps; seen from above it is over the part while it comes down and goes up,
-            // about a second. Parts meet in the plane: the 3 cm of `object_contact_on_m` are passed in a third of a second.
+            // The truth's hand touches when it grasps. Seen from above it is over the part while it comes down and goes up, about a second. Parts
+            // meet in the plane: the 3 cm of `object_contact_on_m` are passed in a third of a second.
             let allowed_s = if context[2] == 0 || context[1] == 0 { 1.2 } else { 0.34 };
             assert!((began_s - true_s).abs() < allowed_s, "{name} {context:?}: {began_s} for {true_s}");
         }

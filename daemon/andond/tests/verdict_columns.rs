@@ -1,5 +1,5 @@
-//! Each value of a verdict is declared once, in [`COLUMNS`]. Whoever reads verdicts elsewhere than in the journal is shown it, or does not
-//! get it and stands here: a value that was forgotten fails.
+//! Each value of a verdict is declared once, in [`COLUMNS`]. Whoever reads verdicts elsewhere than in the journal is shown each value, or stands here
+//! as one that is not. A value that was forgotten fails.
 #![allow(clippy::unwrap_used)]
 
 use andon_plc::c_abi::AndonVerdict;

@@ -69,7 +69,7 @@ pub struct MeasureBounds {
     pub stroke_m: Range,
     /// Length of the path.
     pub path_m: Range,
-    /// Maximum of how much longer the path is than the straight way; it decides instead of the maximum of the path where it is finite.
+    /// Maximum of how much longer the path is than the straight way. It decides instead of the maximum of the path where it is finite.
     pub max_detour_m: f32,
     /// Maximum of how far off the straight line the way of the hand leads.
     pub max_lateral_m: f32,
@@ -166,7 +166,7 @@ pub struct Law {
     pub usually_after: ActivitySet,
     /// Whether a job without it is not complete. What is optional accuses nobody where it is missing.
     pub is_required: bool,
-    /// The indices of the nominal activities that do only a part: where one of them comes, a job without this activity is not complete either.
+    /// The indices of the nominal activities that do only a part. Where one of them comes, a job without this activity is not complete either.
     pub completes: ActivitySet,
     /// Whether it must not come a second time; otherwise that is a note.
     pub is_once: bool,
@@ -213,8 +213,8 @@ pub struct Job<'a> {
     /// the reference. 1 leaves the thresholds as they are, as in the paper.
     pub max_slowdown: f32,
     /// Whether a frame [`at_rest`](Motion::at_rest) was put before and after each motion of a touch from which the references were learnt. It is then
-    /// put before and after each that is judged, and a rest at either end of an IU costs nothing, but still counts as time. In the paper it costs as
-    /// much as any other motion.
+    /// put before and after each that is judged. A rest at either end of an IU costs nothing, but still counts as time. In the paper it costs as much
+    /// as any other motion.
     pub has_free_ends: bool,
     /// The share of the frames of the grid that must have been captured during an IU for it to be judged, 0 to 1. With fewer, the motion that was
     /// shown would not be recognised. 0 asks for nothing.
@@ -265,7 +265,7 @@ impl Job<'_> {
     }
 }
 
-/// The factor by which the threshold of an IU of this many frames grows: its length in those of its reference, from 1 to `max_slowdown`.
+/// The factor by which the threshold of an IU of this many frames grows. It is its length in those of its reference, from 1 to `max_slowdown`.
 pub fn slowdown_factor(frames: u32, reference: usize, max_slowdown: f32) -> f32 {
     (frames as f32 / reference.max(1) as f32).clamp(1.0, max_slowdown.max(1.0))
 }

@@ -178,7 +178,7 @@ pub struct Verdict {
     pub threshold: Option<f32>,
     /// How many of a hundred frames of the IU were captured; `None` where that says nothing: at its beginning, for activities and jobs.
     pub captured_percent: Option<u8>,
-    /// In how many of a hundred frames of the IU the hand and each object that it acts on were seen; `None` where `captured_percent` is.
+    /// In how many of a hundred frames of the IU the hand and each object that it acts on were seen. `None` where `captured_percent` is.
     pub seen_percent: Option<u8>,
     /// Why it was not judged, with figures.
     pub missing: Missing,

@@ -116,9 +116,9 @@ impl Channel {
             Self::Journalled => {
                 Qos { buffer: 128, history: 0, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 31 }
             }
-            // Only the newest counts; 4 per writer, so that a reader that looks once per second misses none at 2 Hz.
-            // 16 writers: 9 roles, and those that are dead and not yet removed. 16 readers: plc, journal, programs in C, and every
-            // `andond status` that somebody has left stopped in a terminal.
+            // Only the newest counts. 4 per writer, so that a reader that looks once per second misses none at 2 Hz. 16 writers: 9 roles, and those
+            // that are dead and not yet removed. 16 readers: plc, journal, programs in C, and every `andond status` that somebody has left stopped in
+            // a terminal.
             Self::Health => {
                 Qos { buffer: 4, history: 1, borrowed: 2, readers: 16, writers: 16, loans: 2, burst: 1 }
             }
@@ -126,13 +126,13 @@ impl Channel {
             Self::Judging => {
                 Qos { buffer: 4, history: 1, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 1 }
             }
-            // Each writer keeps what was done while the journal was away; a person does less than that in such a time. 4 readers: journal, record, and
-            // those that are dead and not yet removed.
+            // Each writer keeps what was done while the journal was away. A person does less than that in such a time. 4 readers: journal, record,
+            // and those that are dead and not yet removed.
             Self::Audit => {
                 Qos { buffer: 64, history: 32, borrowed: 2, readers: 4, writers: 8, loans: 2, burst: 31 }
             }
-            // No history: a judge that starts must not obey a command from before its start. 4 readers: judge, record, and those that are dead and not
-            // yet removed, so that a judge that starts again waits for nobody.
+            // No history: a judge that starts must not obey a command from before its start. 4 readers: judge, record, and those that are dead and
+            // not yet removed. So a judge that starts again waits for nobody.
             Self::Command => {
                 Qos { buffer: 16, history: 0, borrowed: 2, readers: 4, writers: 4, loans: 2, burst: 7 }
             }

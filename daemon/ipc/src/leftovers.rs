@@ -36,8 +36,8 @@ pub struct Death {
     pub removed: bool,
 }
 
-/// Removes what the dead have left behind, one after the other. Where processors are scarce, that takes longer than a role may be silent:
-/// a removal that is not finished goes on while its steward does something else.
+/// Removes what the dead have left behind, one after the other. Where processors are scarce, that takes longer than a role may be silent. A removal
+/// that is not finished goes on while its steward does something else.
 #[derive(Debug, Default)]
 pub(crate) struct Reaper {
     underway: Option<Removal>,
@@ -75,8 +75,8 @@ fn dead(node: &IceNode<Transport>) -> Vec<DeadNodeView<Transport>> {
     dead
 }
 
-/// Removes a dead node with everything that it had, on a thread: meanwhile its owner removes the connections of its ports that have no size. The
-/// dead was making them, or a process that is killed only now. A live one loses nothing: the other end is dead.
+/// Removes a dead node with everything that it had, on a thread. Meanwhile its owner removes the connections of its ports that have no size. The dead
+/// was making them, or a process that is killed only now. A live one loses nothing: the other end is dead.
 #[derive(Debug)]
 struct Removal {
     config: Config,

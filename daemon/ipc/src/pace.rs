@@ -12,7 +12,7 @@
 //! 3. When the writer goes on after burst k, at most the W messages of burst k are in the queue; it then adds W.
 //!    At most 2 W are ever in the queue, and 2 W <= buffer, so it never overflows. (`Qos::burst`; a test checks it.)
 //!
-//! It never hangs. After the last message of a burst is sent, the reader takes it and then finds its queue empty, after step 1 of this burst. That
+//! It never hangs. After the last message of a burst is sent, the reader takes it. Then it finds its queue empty, after step 1 of this burst. That
 //! event is still to come, or it has come and counts. An event that is raised in the middle of a burst only lets the writer go on earlier, within 3.
 //! A reader that dies says nothing: the writer's wait ends at its deadline, and the reader's successor says `caught up` when it comes up.
 //!
@@ -70,7 +70,7 @@ impl Pace {
         self.caught_up.insert(reader);
     }
 
-    /// The burst has been sent and its readers have caught up: the next may begin once what has come so far is forgotten (step 1).
+    /// The burst has been sent and its readers have caught up. The next may begin once what has come so far is forgotten (step 1).
     pub(crate) fn may_begin(&self) -> bool {
         self.sent >= self.burst && self.caught_up.contains(self.follows)
     }

@@ -148,8 +148,8 @@ fn create_messages<T: ChannelMessage>(
     create::<_, T>(node, station, limits, T::CHANNEL)
 }
 
-/// Creates the services of one channel. The lock says that there is no other steward, and only stewards create services: an
-/// incomplete one was left by a steward that was killed.
+/// Creates the services of one channel. The lock says that there is no other steward, and only stewards create services. An incomplete one was left
+/// by a steward that was killed.
 fn create<S: Provide, T: Layout>(
     node: &IceNode<Transport>,
     station: &Station,

@@ -1,9 +1,9 @@
 //! DBA: the DTW barycentre of motions (Petitjean et al. 2011), on integer features.
 //!
 //! Each round aligns every sequence with the barycentre. It then gives each frame of the barycentre the best motion for all frames that are aligned
-//! with it. "Best" is exact: feature by feature, it is the integer in range with the smallest sum of local costs (ties go to the smallest integer).
-//! For `ordinal` features that is the rounded mean; for directions under `circular` it is the bin, or rest, with the smallest sum of squared chords.
-//! A barycentre is therefore a motion that could be observed, and its row in a job file is readable.
+//! with it. "Best" is exact: feature by feature, it is the integer in range with the smallest sum of local costs, of several the smallest. For
+//! `ordinal` features that is the rounded mean. For directions under `circular` it is the bin, or rest, with the smallest sum of squared chords. A
+//! barycentre is therefore a motion that could be observed, and its row in a job file is readable.
 
 use crate::warp::{DistanceMatrix, Warp};
 use andon_core::couple::Motion;

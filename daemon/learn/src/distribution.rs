@@ -18,8 +18,8 @@ pub const LEGEND: &str =
     "X is this run, | a run that was shown and a digit so many, = a range, [ ] what is right";
 
 /// What a strip on a page shows.
-pub(crate) const STRIP: &str = "How to read a strip: a tick is a run that was shown, with the number of runs where several are alike, the shaded part is \
-     right, and the cross is the run that the sentence is about.";
+pub(crate) const STRIP: &str = "How to read a strip: a tick is a run that was shown, with the number of runs where several are alike. \
+     The shaded part is right, and the cross is the run that the sentence is about.";
 
 /// Between the ends of the scale and those of the row there is room for a bound, and for what lies beyond it.
 const MARGIN: usize = 2;

@@ -91,8 +91,8 @@ pub(crate) fn is_utf16(bytes: &[u8]) -> bool {
     has_mark || bytes.len() >= MIN_BYTES && (zeros(0) && none(1) || zeros(1) && none(0))
 }
 
-/// What is to be done about the line of a text at this byte, where a word processor has put other characters than plain ones. They look alike,
-/// and no parser knows them.
+/// What is to be done about the line of a text at this byte, where a word processor has put other than plain characters. They look alike, and no
+/// parser knows them.
 pub fn typographic(text: &str, at: usize) -> Option<String> {
     const FOR: [(&[char], &str); 5] = [
         (&['\u{201c}', '\u{201d}', '\u{201e}', '\u{201f}', '\u{ab}', '\u{bb}'], "a straight \""),

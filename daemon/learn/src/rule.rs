@@ -76,8 +76,8 @@ impl Default for BoundsRule {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BoundsRuleText {
-    /// A file with this key was taught when an IU at no other part had a minimum duration, which accused the quick and found nothing. It is
-    /// not used any more.
+    /// A file with this key was taught when an IU at no other part had a minimum duration. That accused the quick and found nothing. It is not used
+    /// any more.
     #[serde(rename = "min_duration")]
     _min_duration: Option<f64>,
     max_duration: f64,

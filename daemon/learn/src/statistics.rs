@@ -26,8 +26,8 @@ pub(crate) fn pooled_freedom(count: usize) -> f64 {
     PRIOR_FREEDOM + count as f64 - 1.0
 }
 
-/// The variance of one more value around the mean of these. A few values show their variance badly, so it is pooled with `prior`, that of such
-/// values in general (an empirical Bayes estimate, Smyth 2004).
+/// The variance of one more value around the mean of these. A few values show their variance badly. It is pooled with `prior`, that of such values in
+/// general (an empirical Bayes estimate, Smyth 2004).
 pub(crate) fn variance_of_one_more(values: &[f64], prior: f64) -> f64 {
     let count = values.len() as f64;
     let squares = (count - 1.0) * deviation(values, 1).powi(2);
@@ -71,8 +71,7 @@ pub(crate) fn at_most(count: usize, of: usize, confidence: f64) -> f64 {
 /// changes.
 const NOISE_FRAMES: usize = 12;
 
-/// How far apart two of these positions of an object that lies still seem to be at most, as a rule, in metres. 0 where it is not seen in enough
-/// frames to tell.
+/// How far apart two of these positions of an object at rest seem to be at most, as a rule, in metres. It is 0 where too few frames show it.
 pub(crate) fn noise_m(places: &[Option<[f32; 3]>]) -> f32 {
     let of =
         |places: &[Option<[f32; 3]>]| f64::from(andon_core::couple::jitter_bound_m(places.iter().copied()));

@@ -123,7 +123,7 @@ fn a_job_file_that_any_editor_has_saved_is_the_same_job() {
     assert!(said.contains("UTF-16") && said.contains("save it as UTF-8"), "{said}");
 }
 
-/// A job that was taught when a short time at no other part was wrong is read as one that was taught without that rule.
+/// A job that was taught when a short time at no other part was wrong is read as one without that rule.
 #[test]
 fn a_job_file_with_a_minimum_of_the_duration_is_still_read() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/jobs/polish-and-measure.toml");

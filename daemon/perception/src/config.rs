@@ -92,7 +92,7 @@ pub struct MarkerObject {
 /// Where markers are looked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MarkerSearch {
-    /// While all are seen, around the places where they were; as soon as one is missing there, and now and then, in the whole picture.
+    /// While all are seen, around the places where they were. As soon as one is missing there, and now and then, in the whole picture.
     Near,
     /// In the whole picture of every frame.
     Whole,

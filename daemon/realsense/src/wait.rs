@@ -7,8 +7,8 @@ use crate::Error;
 /// One wait of the SDK, short enough that the end of a recording and a lost camera are noticed at once.
 pub const STEP: Duration = Duration::from_millis(200);
 
-/// A camera that sends nothing for this many steps is silent. 2 s are 60 frames at 30 Hz: no exposure, no stall of USB and no
-/// adjustment of the exposure takes that long.
+/// A camera that sends nothing for this many steps is silent. 2 s are 60 frames at 30 Hz. No exposure, no stall of USB and no adjustment of the
+/// exposure takes that long.
 const MAX_SILENT_STEPS: u32 = 10;
 
 /// Repeats a wait of one [`STEP`] until it ends with a frame; `None` means that the camera has been silent for 2 s.

@@ -124,7 +124,7 @@ fn sizes_optics_and_depth_unit_are_those_of_the_camera() {
 }
 
 /// The ground truth says where each marker is in the colour picture and how high it lies. The depth pixel that the extrinsics lead to must show that
-/// height. A part's plate is some 15 depth pixels wide, so an error of the extrinsics by one centimetre, or a transposed rotation, leads beside it.
+/// height. A part's plate is some 15 depth pixels wide. An error of the extrinsics by one centimetre, or a transposed rotation, leads beside it.
 #[test]
 fn depth_lies_under_the_colour_pixel_that_the_extrinsics_lead_to() {
     let truth = fs::read_to_string(repository().join("tests/footage/p1_none_r1.truth.jsonl")).unwrap();
@@ -151,8 +151,8 @@ fn depth_lies_under_the_colour_pixel_that_the_extrinsics_lead_to() {
     assert_eq!(checked, 3 * FRAMES);
 }
 
-/// Depth in metres where a point that is `distance` from the colour camera and at `pixel` of its picture is seen by the depth camera. The median of 5
-/// x 5 pixels that have depth.
+/// Depth in metres where a point that is `distance` from the colour camera and at `pixel` of its picture is for the depth camera. The median of 5 x 5
+/// pixels that have depth.
 fn depth_at(frame: &Read, pixel: [f64; 2], distance: f64) -> f64 {
     let (colour, depth) = (frame.info.colour.intrinsics, frame.info.depth.unwrap());
     let axis = |k: usize| (pixel[k] - f64::from(colour.centre[k])) / f64::from(colour.focal[k]) * distance;

@@ -324,7 +324,7 @@ fn parsed(opcode: u8, body: &[u8]) -> Result<Record<'_>, McapError> {
     parse_record(opcode, body)
 }
 
-/// What follows the head of an attachment: two times, name and kind, each with its length before it, and the length of what is attached.
+/// What follows the head of an attachment: two times, name and kind, each behind its length, and the length of what is attached.
 fn after_attachment_head(body: &[u8]) -> Option<&[u8]> {
     let mut rest = body.get(2 * size_of::<u64>()..)?;
     for _ in ["name", "kind"] {

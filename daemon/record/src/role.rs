@@ -295,8 +295,8 @@ impl<N: Narrator> Recording<N> {
         Ok(())
     }
 
-    /// The frames that wait. One that cannot be a picture is kept as its header alone. No more than can wait at once: where the machine is too slow to
-    /// encode them, more would come for ever, and everything else would be lost as well.
+    /// The frames that wait. One that cannot be a picture is kept as its header alone. No more than can wait at once. Where the machine is too slow
+    /// to encode them, more would come for ever, and everything else would be lost.
     fn take_frames(&mut self) -> Result<(), RecordError> {
         for _ in 0..Channel::Frame.qos().buffer {
             let Some(frame) = self.frames.take().map_err(CycleError::from)? else { break };

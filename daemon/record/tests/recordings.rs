@@ -233,7 +233,7 @@ fn whatever_is_done_to_a_file_it_is_read_or_refused() {
                 break;
             }
             let at = draw.rand_range(0..damaged.len() as u64) as usize;
-            // Lengths and kinds of records lie at the start of the file and of each chunk: half of the damage is done to the start.
+            // Lengths and kinds of records lie at the start of the file and of each chunk. Half of the damage is done to the start.
             let at = if draw.rand_range(0..2) == 0 { at % 4096.min(damaged.len()) } else { at };
             match draw.rand_range(0..4) {
                 0 => damaged[at] = draw.rand_u64() as u8,

@@ -99,7 +99,7 @@ fn check_written(file: &Path, pictures: u64) -> Result<(), String> {
     Err(unfinished(file).unwrap_or_else(|| "it was not written to its end; is the disk in order?".into()))
 }
 
-/// Why a film came to no end, if the system still says so: where it has no room, a little more is refused as well.
+/// Why a film came to no end, if the system still says so. Where it has no room, a little more is refused as well.
 fn unfinished(file: &Path) -> Option<String> {
     // OpenCV removes a film that it cannot begin.
     let mut film = File::options().append(true).create(true).open(file).ok()?;

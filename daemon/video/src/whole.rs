@@ -10,7 +10,7 @@ pub(crate) fn is_cut(bytes: &[u8]) -> bool {
     }
 }
 
-/// Whether a JPEG has its end: behind the head of each scan its data follow, in which a marker is no 0 and no restart.
+/// Whether a JPEG has its end. Behind the head of each scan its data follow, in which a marker is no 0 and no restart.
 fn jpeg_ends(bytes: &[u8]) -> bool {
     const END: u8 = 0xd9;
     const SCAN: u8 = 0xda;

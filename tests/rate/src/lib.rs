@@ -159,7 +159,7 @@ mod tests {
         std::panic::catch_unwind(check).is_ok()
     }
 
-    /// By the table of the binomial distribution: of 12 cases at 90 %, 6 or fewer have a chance of 0.0005, 7 or fewer of 0.0043.
+    /// By the table of the binomial distribution. Of 12 cases at 90 %, 6 or fewer have a chance of 0.0005, 7 or fewer of 0.0043.
     #[test]
     fn a_count_fails_a_bar_only_where_the_rate_gives_it_in_less_than_one_of_1000_draws() {
         let chance = |count, of, rate| Rate::new(count, of).chance_of_so_few(rate);

@@ -1,4 +1,4 @@
-//! A whole line: the real roles as processes of a station of their own under /tmp, fed by the track file of a simulated worker.
+//! A whole line: the real roles as processes of a station under /tmp, fed by the track file of a simulated worker.
 //!
 //! The roles are started and supervised as systemd does it, and watched from outside only. That is by the channels, by Modbus, by the commands of
 //! `andond` and by `/proc`.

@@ -141,7 +141,7 @@ pub(super) fn see(
     both
 }
 
-/// The poses of the parts in each frame: a part is where the hands that hold it have carried it, in the middle between two.
+/// The poses of the parts in each frame. A part is where the hands that hold it have carried it, in the middle between two.
 fn poses(arms: &[Arm<'_>; 2], bench: &Bench) -> Vec<Vec<(u16, Pose)>> {
     let mut bench = bench.clone();
     let mut held: [Option<(u16, Vector)>; 2] = [None; 2];

@@ -1,6 +1,6 @@
 //! What a shop floor does to a job, and what the judge must make of it.
 
-/// What goes wrong, or looks as if it did, in the job of the paper's second experiment: to polish the brick, then to measure it.
+/// What goes wrong, or looks as if it did, in the paper's second job: to polish the brick, then to measure it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Flaw {
     /// Nothing.

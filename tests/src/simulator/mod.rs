@@ -1,7 +1,7 @@
 //! Simulated people at a bench: recordings for tests, with known contacts and labels.
 //!
 //! A [`Person`] carries out a [`Script`] on a [`Bench`]. The person reaches, carries, strokes and holds with minimum-jerk movements (Flash and Hogan
-//! 1985), with a speed, path, dwell time and grip of their own. [`Noise`] then removes what a camera and a tracker would not see. Everything follows
+//! 1985). Speed, path, dwell time and grip are the person's own. [`Noise`] then removes what a camera and a tracker would not see. Everything follows
 //! from one seed, on every machine.
 //!
 //! The simulation leaves out the height above the bench (there is only plane mode), the forearm, the other fingers, learning and fatigue.

@@ -21,8 +21,8 @@ pub enum TwoHanded {
     HoldWhileWorking,
     /// The left hand brings the corner to the middle, where the right one takes it over and puts it away. Fault: it stays in the middle.
     HandOver,
-    /// The left hand moves the corner, then the drill; the right one moves the polisher at any time from one second before to three after.
-    /// Fault: the drill comes before the corner.
+    /// The left hand moves the corner, then the drill. The right one moves the polisher at any time from one second before to three after. Fault: the
+    /// drill comes before the corner.
     LateHand,
     /// The right hand moves the corner, then the drill; in about half of the times the left one rests at the meter. Fault: the drill is left out.
     RestingHand,
@@ -30,8 +30,8 @@ pub enum TwoHanded {
     SymmetricalLift,
     /// Each hand takes what lies on the other's side, so that their ways cross. Fault: the left hand does nothing.
     CrossingHands,
-    /// The left hand moves the corner and goes away at once, or rests there until the right one has moved the drill and the polisher. Fault: the
-    /// drill is left out.
+    /// The left hand moves the corner and goes away at once, or rests there until the right one has moved drill and polisher. Fault: the drill is
+    /// left out.
     WaitingHand,
     /// The left hand brings the brick to the middle and holds it there. Meanwhile the right one polishes it and drills, and puts both tools back side
     /// by side. It may begin to bring the brick back as soon as the drill is lifted. Fault: the drill is left out.

@@ -13,7 +13,7 @@ use super::{BlackboxError, message};
 /// How much before a piece and after it belongs to its run: where the parts lay, and that they lie still.
 const AROUND_NS: u64 = 1_000_000_000;
 
-/// When the frames of a piece were captured, CLOCK_MONOTONIC in nanoseconds: a film that begins again repeats its own times, and this clock does not.
+/// When the frames of a piece were captured, CLOCK_MONOTONIC in nanoseconds. A film that begins again repeats its own times, and this clock does not.
 pub type Piece = RangeInclusive<u64>;
 
 /// The piece that a verdict is on.

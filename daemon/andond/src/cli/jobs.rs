@@ -40,7 +40,7 @@ pub struct Teach {
     /// order of two steps a law. Up to 3 a rule gives way to one run that contradicts it, at 4 to two, at 5 to none. [default: 3, or that of the job]
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=5))]
     pub strictness: Option<u8>,
-    /// Write the report as a page, with pictures of the steps and their order, and of where runs that stand out lie among the others
+    /// Write the report as a page, with pictures of the steps, of their order, and of runs that stand out among the others
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
     /// Draw the steps of the job and their order into this file

@@ -59,7 +59,7 @@ pub struct Tail {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
-    /// Print one JSON object per verdict, and one of the kind Sight or Outage where nobody watched; numbers of activities and IUs count from 0
+    /// Print one JSON object per verdict, and one of the kind Sight or Outage where nobody watched. Numbers of activities and IUs count from 0
     #[arg(long)]
     pub json: bool,
     /// Show times of day in UTC instead of local time

@@ -39,8 +39,8 @@ impl LastSeen {
         }
     }
 
-    /// The objects that are not seen in this picture, and where they are assumed to be: in the hand that holds them by the newest couples, as the judge
-    /// believes, or where they were last seen.
+    /// The objects that are not seen in this picture, and where they are assumed to be. That is in the hand that holds them by the newest couples, or
+    /// where they were last seen.
     pub(super) fn objects(&self, seen: &Detections, couples: &[Couple]) -> Vec<(u16, Corners)> {
         let place = |known: &SeenPart| {
             let id = known.object.id;
@@ -88,7 +88,7 @@ fn is_seen(seen: &Detections, id: u16) -> bool {
 }
 
 impl SeenPart {
-    /// The corners of its marker as the hand that holds it has moved them since; `None` where no hand does that was seen then and is seen now.
+    /// The corners of its marker as the hand that holds it has moved them since. `None` where no hand does that was seen then and is seen now.
     fn in_hand(&self, seen: &Detections, couples: &[Couple]) -> Option<Corners> {
         let holds = |couple: &&Couple| couple.context.0[0] != 0 && couple.context.0[1] == self.object.id;
         let [hand, ..] = couples.iter().find(holds)?.context.0;
@@ -116,7 +116,8 @@ mod tests {
 
     const S: u64 = 1_000_000_000;
 
-    /// A hand of 100 pixels from its wrist to its tip, which points up or, `turned`, to the right; and an object of 40 pixels around this place.
+    /// A hand of 100 pixels from its wrist to its tip, which points up or, `turned`, to the right. Beside it is an object of 40 pixels around this
+    /// place.
     fn picture(at_ns: u64, is_seen: bool, tip: [f32; 2], turned: bool, [x, y]: [f32; 2]) -> Detections {
         let mut seen = Detections {
             source_ns: at_ns,

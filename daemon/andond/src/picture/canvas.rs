@@ -127,7 +127,7 @@ impl Canvas {
         Ok(())
     }
 
-    /// A name at a point of the film's picture, or above the names that are there already: those of parts that lie at each other.
+    /// A name at a point of the film's picture, or above the names that are there already, as those of parts at each other.
     pub(super) fn name(&mut self, at: [f32; 2], text: &str, colour: Colour) -> opencv::Result<()> {
         let (scale, letter, row) = NAME;
         let ([x, mut y], width) = (self.placed(at), letter * text.chars().count() as f32);

@@ -1,4 +1,4 @@
-//! What is written beside and below the picture: the steps, what was expected and what came, what the hands do, and what is not seen.
+//! What is written beside and below the picture: the steps, what was expected, what came, what the hands do, and what is hidden.
 
 use andon_core::couple::{Couple, Visibility};
 use andon_core::input::Side;

@@ -93,7 +93,7 @@ fn lines(text: &str, longest: usize) -> Vec<String> {
     lines
 }
 
-/// The picture that a calibration was made from, with the bench's grid, where each marker is said to lie and where the others place it.
+/// The picture that a calibration was made from, with the bench's grid. It shows where each marker is said to lie and where the others place it.
 /// Below it is what the colours mean. The format is that of the result, which is higher than the picture.
 ///
 /// # Errors

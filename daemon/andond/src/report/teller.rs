@@ -165,7 +165,7 @@ fn so(verdict: &Verdict, names: &Names) -> String {
     }
 }
 
-/// Red for an anomaly, yellow for what could not be judged and for what should be looked at, green for a job that is right.
+/// Red for an anomaly, yellow for what was not judged or should be looked at, green for a job that is right.
 fn style(verdict: &Verdict) -> Style {
     let colour = match verdict.outcome {
         Outcome::Anomaly => AnsiColor::Red,

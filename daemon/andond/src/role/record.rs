@@ -1,4 +1,4 @@
-//! `record`: what only `andond` knows, and not the crate of recordings: the words of a verdict, the job in force, how a picture is drawn.
+//! `record`: what only `andond` knows, and not the crate of recordings: a verdict's words, the job in force, how a picture is drawn.
 
 use andon_host::config::{Config, RecordMode, in_force};
 use andon_host::log::{code, log};

@@ -1,4 +1,4 @@
-//! Why a command ended without a result: what it tells the person who ran it, and the exit code that says so to a program.
+//! Why a command ended without a result: what it tells a person, and the exit code that says so to a program.
 
 use std::io;
 use std::path::PathBuf;

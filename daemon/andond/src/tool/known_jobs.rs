@@ -33,7 +33,7 @@ impl KnownJobs {
         self.jobs.iter().find(|job| job.hash == hash)
     }
 
-    /// The names in the job with this hash; where there is no file of it, those of the parts, and the numbers of the steps.
+    /// The names in the job with this hash. Where there is no file of it, those of the parts, and the numbers of the steps.
     pub(super) fn names(&self, hash: u64) -> &Names {
         self.of_hash(hash).map_or(&self.objects, |job| &job.names)
     }

@@ -120,8 +120,8 @@ fn load_config(arguments: &ConfigArgs) -> Result<Config, ToolError> {
     Ok(arguments.load()?)
 }
 
-/// The configuration for a command that reads these recordings, and neither the job nor the recording of the station. Track files say themselves
-/// what they show: for them the defaults do, where no configuration is named and none lies where it is looked for.
+/// The configuration for a command that reads these recordings, and neither the job nor the recording of the station. Track files say themselves what
+/// they show. For them the defaults do, where no configuration is named and none lies where it is looked for.
 ///
 /// # Errors
 /// Every fault in it.

@@ -100,8 +100,8 @@ fn video() -> Roff {
     roff.control("SH", ["DESCRIPTION"]).text([
         bold("andond"),
         roman(
-            " starts this program for whatever needs a camera or a film, and nobody needs to start it by hand: it is a program of its own so \
-             that the judge and the other roles do not load the libraries for video and cameras.",
+            " starts this program for whatever needs a camera or a film. Nobody needs to start it by hand. \
+             It is a program of its own, so that the other roles do not load the libraries for video and cameras.",
         ),
     ]);
     for (line, meaning) in [

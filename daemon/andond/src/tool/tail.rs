@@ -103,7 +103,7 @@ impl Printer<'_> {
         out.flush()
     }
 
-    /// Says once when the line stops seeing its bench, and once when it sees it again: for people beside the verdicts, for programs between them.
+    /// Says once when the line stops seeing its bench, and once when it sees it again. People read it beside the verdicts, programs between them.
     fn tell_sight(&self, change: SightChange) -> std::io::Result<()> {
         if self.arguments.json {
             return print_json(&NotWatchingLine::of_sight(change, UtcTime::now()));

@@ -153,7 +153,7 @@ impl OpenActivity {
         }
     }
 
-    /// The next IU begins in this context, and moves the places on if it is certain that it has happened: one that may not have is as good as hidden.
+    /// The next IU begins in this context, and moves the places on if it has certainly happened. One that may not have is as good as hidden.
     /// Something may have come and gone in some `hidden` frames before it. With `was_idle` the hand was certainly idle since the one before. Returns
     /// its number.
     pub(super) fn next_iu(
@@ -186,7 +186,7 @@ impl OpenActivity {
         places
     }
 
-    /// The nominal IUs that the newest one may be, if it has happened: the indices of the nominal activity and of the IU in it.
+    /// The nominal IUs that the newest one may be, if it has happened. They are indices of the nominal activity and of the IU in it.
     pub(super) fn newest_ius<'b>(
         &self,
         job: &'b Job<'b>,
@@ -457,7 +457,7 @@ impl OpenActivity {
         }
     }
 
-    /// The candidate whose last IU has come, but for a release state, which leaves nothing to do: one in order before others, then the nearest.
+    /// The candidate whose last IU has come, but for a release state, which leaves nothing to do. One in order comes before others, then the nearest.
     pub(super) fn matched(&self, side: Side, progress: &Progress<'_>) -> Option<usize> {
         let places = self.places_as_seen();
         let has_ended = |nominal: &usize| places[*nominal].is_at_end(progress.job.activities[*nominal].ius);

@@ -43,7 +43,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
-    /// Takes note of how well the hand is seen in the next couple, this many frames after the last, before anything is decided on it.
+    /// Notes how well the hand is seen in the next couple, this many frames after the last, before anything is decided on it.
     pub(super) fn observe(&mut self, couple: &Couple, frames: u32, progress: &mut Progress<'a>) {
         self.doubt.observe(couple, frames);
         self.occlusions.skip(frames, couple);

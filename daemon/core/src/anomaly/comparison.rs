@@ -16,8 +16,8 @@ use crate::segment::HIDDEN_SLACK;
 use crate::verdict::{Measure, Measured, Reason};
 use heapless::Vec;
 
-/// Where the other hand ends the contact of two parts, this hand may go on some frames earlier, while they are still within the width of the contact.
-/// It does so in as many as a change takes to be believed by default.
+/// The other hand may end the contact of two parts. Then this hand may go on some frames earlier, while they are still within the width of the
+/// contact. It does so in as many as a change takes to be believed by default.
 const BORDER_FRAMES: usize = 5;
 
 /// The comparison of the open IU with one nominal IU.

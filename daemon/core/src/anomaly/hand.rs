@@ -71,7 +71,7 @@ impl Finding {
         Self { outcome, cause: cause.into(), nominal, result: None }
     }
 
-    /// What is wrong in an activity that accuses nobody is a step that was not shown; not judged, where too little of it was seen.
+    /// What is wrong in an activity that accuses nobody is a step that was not shown. It is not judged, where too little of it was seen.
     fn without_accusation(self, activity: &mut OpenActivity, cannot_accuse: bool) -> Self {
         if self.outcome != Outcome::Anomaly {
             return self;
@@ -207,7 +207,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             }
             (None, _) => (Outcome::NotJudged, unseen),
         };
-        // If it is wrong and has no such verdict yet, it was not certain before: a longer candidate would not have been out of order.
+        // If it is wrong and has no such verdict yet, it was not certain before. A longer candidate would not have been out of order.
         let early = early && outcome != Outcome::Anomaly;
         self.conclude_activity(Finding::of(outcome, cause, Some(nominal)), early, progress);
         if outcome != Outcome::NotJudged {

@@ -144,7 +144,7 @@ impl HandDoubt {
     }
 
     /// Where the context changed with the newest couple, it may have changed as many frames before. Whether two move together is read from as many
-    /// frames before the change, and behind a gap a change is believed as much later as the contact takes to be known again. That is two windows: with one or
+    /// frames before the change. Behind a gap a change is believed as much later as the contact takes to be known again. That is two windows: with one or
     /// three 11 or 5 of 3,700 drawn streams differ.
     pub(super) fn gap(&self) -> u32 {
         let clear = self.clear_frames.unwrap_or(0);

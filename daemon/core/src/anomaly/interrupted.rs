@@ -21,7 +21,7 @@ pub(super) struct Interrupted {
 }
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
-    /// Whether the hand, which lets go now, is certainly not at the end of its activity, and no IU in the same context comes next.
+    /// Whether the hand, which lets go, is certainly not at the end of its activity, and no IU in the same context comes next.
     pub(super) fn may_be_interrupted(&self, progress: &Progress<'a>) -> bool {
         let Some((open, activity)) = self.iu.zip(self.activity.as_ref()) else { return false };
         let is_of_step = matches!(activity.step, Step::Shown(_)) && activity.against == Against::Candidates;

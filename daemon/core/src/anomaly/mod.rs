@@ -4,7 +4,7 @@
 //!
 //! - *Nominal activity*: a taught sequence of nominal IUs, an element of the list `J`. A *nominal IU* has a context, a reference
 //!   motion, a threshold and bounds of its length and reversals. Several nominal activities may be variants of one activity.
-//! - *Places*: for each nominal activity, the numbers of its IUs that may have come: `i` of Algorithm 1, or several where not all was seen.
+//! - *Places*: for each nominal activity, how many of its IUs may have come. It is `i` of Algorithm 1, or several where not all was seen.
 //! - *Candidate*: a nominal activity in which the open activity has a place: an element of `J \ L`.
 //! - *Comparison*: the open IU against a nominal IU that it may be: the DTW distance so far, the length and the reversals. It is *lost*
 //!   when it cannot come out right any more. The IU is wrong when all its comparisons are lost.
@@ -120,7 +120,7 @@ pub enum Unusable {
         /// Index of the IU in the activity, from 0.
         iu: usize,
     },
-    /// The number of an activity is [`ACTIVITIES`] or more, its law names one that the job does not have, or laws put it behind itself.
+    /// The number of an activity is [`ACTIVITIES`] or more, its law names one that the job lacks, or laws put it behind itself.
     #[error(
         "the law of activity {activity} cannot be kept (a number of {ACTIVITIES} or more, another activity that there is not, \
          or a circle): teach the job again"

@@ -1,4 +1,4 @@
-//! Frames that did not show what a hand acts on, because they never came or because it was hidden, and how a verdict names them.
+//! Frames that did not show what a hand acts on, because they never came or it was hidden, and how a verdict names them.
 //!
 //! Couples that never come count as frames in which nothing was seen. An `encode` that starts again loses what it held back, and an IU
 //! would seem too short without them.

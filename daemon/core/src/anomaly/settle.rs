@@ -11,7 +11,7 @@ use crate::verdict::{Outcome, Reason};
 use heapless::Vec;
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
-    /// Concludes that the activity is out of order, as soon as every candidate is, once all events of one frame for both hands are known.
+    /// Concludes that the activity is out of order, as soon as every candidate is. All events of one frame for both hands are known then.
     pub(super) fn check_order(&mut self, progress: &mut Progress<'a>) {
         let (cannot_accuse, may_give_up) = (self.cannot_accuse(), self.may_give_up());
         let Some(activity) = &mut self.activity else { return };

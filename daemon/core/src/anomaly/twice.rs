@@ -8,7 +8,7 @@ use crate::verdict::{Missing, Outcome, Reason, Verdict};
 /// streams differ.
 const REMOVED_NS: u64 = 2_000_000_000;
 
-/// Of the time that an object was not seen, its marker was in view twice for this share, but for a few frames, in seconds. The share halved or
+/// Of the time that an object was not seen, its marker was in view twice for this share, but for a few frames. In seconds. The share halved or
 /// doubled, 2 or 1 of 3,700 drawn streams differ. Without those frames two of the five tests of markers in view twice fail.
 const MIN_TWICE_SHARE: f32 = 0.5;
 const SLACK_S: f32 = 0.1;
@@ -46,7 +46,7 @@ impl Twice {
         place.into_iter().for_each(|place| *place = Some(new));
     }
 
-    /// The same event, with the marker in view twice as the reason where it is one: that of the missing object, or else the newest.
+    /// The same event, with the marker in view twice as the reason where it is one. It is that of the missing object, or else the newest.
     pub(super) fn named(&self, event: Event) -> Event {
         let Event::Verdict(verdict) = event else { return event };
         let twins = self.twins.iter().flatten().filter(|twin| twin.explains(&verdict));

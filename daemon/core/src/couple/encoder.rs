@@ -54,7 +54,7 @@ pub enum Refused {
 ///
 /// The couple of a frame is emitted once the frame `persist_frames` later is known. By then a contact that began in it has lasted long enough to be
 /// believed. Velocity and acceleration come from a window centred on it. So contacts and motion have their true time, without phase lag, at the price
-/// of one fixed delay: the motion of an IU starts where the IU starts.
+/// of one fixed delay. The motion of an IU starts where the IU starts.
 ///
 /// Not seen is not known. While a hand or an object is not seen, its contacts neither begin nor end, and its motion is unknown. Each couple says what
 /// was seen, assumed and unseen, and whether so little was seen that its context is doubtful.
@@ -64,7 +64,7 @@ pub enum Refused {
 /// Frames that are missing on the grid are filled with frames in which nothing was seen. Of a longer gap only `blind_ms` and one frame more are
 /// filled. One step therefore emits at most `blind_ms * rate_hz + persist_frames + 2` couples.
 ///
-/// A hand or an object is left out if it repeats one of its frame, if its id is unknown, or if a coordinate is not finite.
+/// A hand or an object is left out if it repeats one of its frame. So is one with an unknown id or a coordinate that is not finite.
 #[derive(Clone, Debug)]
 pub struct Encoder {
     grid: Grid,

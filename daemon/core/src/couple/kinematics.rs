@@ -8,7 +8,8 @@ use core::f32::consts::{FRAC_PI_2, PI, TAU};
 /// How a hand or an object moves in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Kinematics {
-    /// Where it is by the parabola through the positions around the frame, in the bench frame, and the root mean square of their residuals; metres.
+    /// Where it is by the parabola through the positions around the frame, in the bench frame, and the root mean square of their residuals. Both are
+    /// in metres.
     pub(super) position: Point,
     pub(super) residual_m: f32,
     /// Velocity in m/s, in the bench frame.
@@ -21,8 +22,8 @@ pub(super) struct Kinematics {
 /// that of an acceleration by up to 1.96, and every third by 4.0. So every second is enough, and every third is not.
 const MAX_ERROR: f64 = 2.5;
 
-/// The maximum variances of a velocity and an acceleration that count as measured, as multiples of the variance of a position: in
-/// 1/s² and 1/s⁴. Few positions, or positions mostly on one side of the frame, multiply the noise of each.
+/// The maximum variances of a velocity and an acceleration that count as measured, as multiples of the variance of a position. In 1/s² and 1/s⁴. Few
+/// positions, or positions mostly on one side of the frame, multiply the noise of each.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Precision {
     velocity: f64,

@@ -121,15 +121,15 @@ pub struct Couple {
     pub side: Side,
     /// The time that the couple describes, in nanoseconds: that of its frame, not that at which it became known.
     pub captured_ns: u64,
-    /// Motion features; `None` where a position was seen too seldom to measure its motion, or where it is not known whether `o_j` and `o_l` touch.
+    /// Motion features. `None` where a position was seen too seldom to measure its motion, or where it is not known whether `o_j` and `o_l` touch.
     pub motion: Option<Motion>,
     /// Context features.
     pub context: Context,
     /// Where the hand acts, in metres: `o_j` in the frame of reference of `o_l`, or without `o_l` the finger tips in the bench frame.
     /// `None` where it was not seen, the hand does not act, or it is not known whether the two touch. Where one frame is too inexact to measure strokes, the frames around it say it.
     pub position: Option<Point>,
-    /// The finger tips in the bench frame, in metres, known in the same way; `None` where they were neither seen nor assumed to be at what the
-    /// hand carries, or the hand does not act.
+    /// The finger tips in the bench frame, in metres, known in the same way. `None` where they were neither seen nor assumed to be at what the hand
+    /// carries, or the hand does not act.
     pub tips: Option<Point>,
     /// How far apart two positions of `o_j` may be by drift, in metres; 0 where that is not known. They are in the frame of reference of `o_l` if
     /// there is one.

@@ -19,7 +19,7 @@ pub(super) fn has_moved(from: Point, to: Point) -> bool {
 }
 
 /// Two positions of an object at rest are hardly ever farther apart than this multiple of the standard deviation of one. In the plane that is once in
-/// 270,000 times if the deviation is known, and once in some thousand times as it is estimated here.
+/// 270,000 times if the deviation is known. As it is estimated here, that is once in some thousand times.
 const NOISE_BOUND_SIGMAS: f32 = 5.0;
 
 /// The variance of a third difference, as a multiple of that of a position: 1 + 9 + 9 + 1.

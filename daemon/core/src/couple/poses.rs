@@ -1,5 +1,5 @@
-//! The recent poses of hands and objects on the grid. An unseen pose is held; a hidden object that a hand carries moves with it,
-//! and so does a hidden hand with what it carries.
+//! The recent poses of hands and objects on the grid. An unseen pose is held. A hidden object that a hand carries moves with it, and so does a hidden
+//! hand with what it carries.
 
 use super::geometry::{
     Cloud, Quaternion, about_z, add, distance, inverse, rotated, rotation_after, subtract, unit, yaw,
@@ -57,7 +57,7 @@ pub(super) enum Source {
     Never,
     /// It was seen in this frame.
     Seen,
-    /// It is hidden, and moved with what is seen: an object with the hand that carries it, a hand with the object that it holds.
+    /// It is hidden, and moved with what is seen. An object moves with the hand that carries it, a hand with the object that it holds.
     Carried,
     /// It is hidden by a hand that is at it, and is taken to lie where it was last seen.
     Covered,
@@ -238,7 +238,7 @@ impl ObjectPose {
     }
 }
 
-/// How an object lies in the hand that carries it: as a rigid body that rotates with the hand about z and keeps its tilt.
+/// How an object lies in the hand that carries it, as a rigid body that rotates with it about z and keeps its tilt.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grip {
     offset: Point,

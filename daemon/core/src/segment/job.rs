@@ -171,7 +171,7 @@ impl JobSegmenter {
         self.has_lost_object |= before.lacks(Unseen::BENCH) || is_lost;
     }
 
-    /// Since when a hand that was not seen had worked without a job, if a pause or the end of the recording has ended that. It is told once.
+    /// Since when an unseen hand had worked without a job, if a pause or the end of the recording has ended that. It is told once.
     pub fn take_unseen(&mut self, has_ended: bool) -> Option<u64> {
         let is_over = self.job.is_none() && (has_ended || self.handless_ns >= self.idle_end_ns);
         self.unseen_since_ns.take_if(|_| is_over)

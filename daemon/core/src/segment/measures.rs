@@ -43,7 +43,7 @@ pub struct Measures {
     pub place_m: Point,
     /// How often the motion may have reversed in addition, in frames that were not seen.
     pub hidden_reversals: u32,
-    /// How often it may have reversed in addition because it was seen to come back, and how far was in a frame that is missing.
+    /// How often it may have reversed in addition: it was seen to come back, and how far was in a frame that is missing.
     pub cut_reversals: u32,
     /// By how much the strokes before reversals may have been longer in addition, and those behind them as well, in metres. That is so where the frame
     /// just before or behind the farthest one that was seen is missing. A hand is about to reverse there, so its pace beside that frame bounds it.

@@ -58,7 +58,7 @@ pub enum Event {
         began_ns: u64,
         /// How it began.
         start: Start,
-        /// Since when a hand that was not seen had worked before, if nobody has been told: at this job, or at a piece before it.
+        /// Since when an unseen hand had worked before, if nobody has been told, at this job or at a piece before it.
         unseen_since_ns: Option<u64>,
     },
     /// An activity began: the hand touches another object.

@@ -20,8 +20,8 @@ pub(super) struct Way {
     spacing_m: f32,
     /// Where the newest step ended.
     step: Point,
-    /// How far it has led off the straight line so far, in metres. The greatest distance that a point of it had, at any time, from the line between
-    /// where it began and where the hand was then. It never becomes less.
+    /// How far it has led off the straight line so far, in metres. The maximum distance that a point of it had, at any time, from the line between
+    /// its begin and where the hand was then. It never becomes less.
     pub(super) lateral_m: f32,
     /// In how many frames just before its first point the hand was not seen: it may have begun elsewhere.
     pub(super) unseen_before: u32,

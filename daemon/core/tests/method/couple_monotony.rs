@@ -128,8 +128,8 @@ fn delete(frames: &[Frame], gaps: &[(Hidden, usize, usize)]) -> Vec<Frame> {
     frames
 }
 
-/// For each frame, what the hand touches, if it is seen and nothing is unseen in the frame, nor was in the `persist_frames` before it. A hand that
-/// touches nothing is idle, whatever it has let go: that is what it did before.
+/// For each frame, what the hand touches, if it is seen and nothing is unseen, nor was in the `persist_frames` before it. A hand that touches nothing
+/// is idle, whatever it has let go: that is what it did before.
 fn certainly_touched(couples: &[Couples], hand: usize) -> Vec<Option<Context>> {
     let doubts = Unseen::CONTEXT | Unseen::CHANGE | Unseen::TAKING | Unseen::ARRIVAL | Unseen::MOVE;
     let mut clear = 0;

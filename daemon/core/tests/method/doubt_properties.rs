@@ -1,6 +1,6 @@
 //! Whatever observations are deleted from a correct job, none of its verdicts becomes an anomaly. Only its last second is always seen: the end of the
 //! recording is the end of the job. And each object is seen in the first frame. One that has never been seen is not expected anywhere, because a
-//! station may have objects that lie on its bench for other jobs only.
+//! station may have objects that are for other jobs only.
 
 use crate::common::bench::{Bench, encode, shapes};
 use crate::common::seed::with_known_and_drawn_seed;

@@ -17,7 +17,7 @@ const COSTS: [LocalCost; 8] = [
     LocalCost::Normalised { bins: 13 },
     LocalCost::Circular { bins: 8 },
     LocalCost::Circular { bins: 12 },
-    // No scale that fits two bytes is good enough for 7 bins, and 16 bins leave no nibble for rest: both take the portable path.
+    // No scale that fits two bytes is good enough for 7 bins, and 16 bins leave no nibble for rest. Both take the portable path.
     LocalCost::Circular { bins: 7 },
     LocalCost::Circular { bins: 16 },
 ];

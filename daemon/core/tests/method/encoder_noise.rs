@@ -29,7 +29,7 @@ fn expect_seldom(known: u32, rate: f64, what: &str, is_so: impl Fn(u32) -> bool)
     Rate::of(drawn_seeds(CASES).map(is_so)).expect_at_most(rate, what);
 }
 
-/// The couples of a bench whose hands and parts are seen in each frame with errors of this standard deviation along each axis, in metres.
+/// The couples of a bench whose hands and parts are seen with errors of this standard deviation along each axis, in metres.
 fn seen_inexactly(bench: Bench, deviation_m: f32, seed: u32) -> Vec<Couples> {
     seen_with_errors(bench, deviation_m, 0.0, seed)
 }

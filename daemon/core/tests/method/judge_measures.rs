@@ -1,4 +1,4 @@
-//! A verdict names the measure that is out of its bounds, what it measured and what was shown, as early as that can be known.
+//! A verdict names the measure that is out of its bounds, its value and what was shown, as early as that can be known.
 
 use crate::common::bench::PERIOD_NS;
 use crate::common::script::{Part, Still, Toward, idle, objects_of, part, short, stream, teach};

@@ -161,6 +161,6 @@ fn no_verdict_on_right_work_becomes_an_anomaly_where_hands_are_not_seen() {
     let seed = drawn();
     let (wrong, works) = accused(seed);
     println!("PROPTEST_RNG_SEED={seed} repeats this draw: {wrong:#?}");
-    // It was 1 of 200,000: a piece ended in the 15 frames of a pause that was half hidden, and after 16 it may have.
+    // It was 1 of 200,000. A piece ended in the 15 frames of a pause that was half hidden, and after 16 it may have.
     Rate::new(wrong.len(), works).expect_at_most(0.0002, "accused");
 }

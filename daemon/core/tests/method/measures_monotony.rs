@@ -1,4 +1,4 @@
-//! Less observation only widens what was measured: a motion that is right in every measure has no wrong one, however little of it is seen.
+//! Less observation only widens what was measured. A motion that is right in every measure has no wrong one, however little of it is seen.
 //!
 //! A hand moves a tool at a part as it likes, in straight strokes of any direction. The job allows what it measures and little more. Then some frames
 //! go missing. Hidden motion is assumed to be at most twice as fast as seen motion, and not to reverse in less than four frames. The motions keep to

@@ -68,8 +68,7 @@ impl<'f> Document<'f> {
         1 + self.text.bytes().take(at).filter(|byte| *byte == b'\n').count()
     }
 
-    /// The text of the value of `key`, in the bytes of `span`, cut to one line; `None` where these are the heading of a
-    /// section.
+    /// The text of the value of `key`, in the bytes of `span`, cut to one line. `None` where these are the heading of a section.
     pub(super) fn shown(&self, key: &str, span: Range<usize>) -> Option<String> {
         let text = self.text.get(span)?;
         if text.trim_matches(['[', ']']) == key {

@@ -300,8 +300,8 @@ pub(super) fn one_of(words: &[&str]) -> String {
     text
 }
 
-/// Makes a key of a type that is a choice of words. It is a type whose values name themselves, of all of which `$all` is an iterable, or an enum with
-/// a word for each variant.
+/// Makes a key of a type that is a choice of words. It is a type whose values name themselves, of which `$all` is an iterable, or an enum with a word
+/// for each variant.
 macro_rules! words {
     ($kind:ty, $all:expr, $name:expr) => {
         impl $crate::config::value::Value for $kind {

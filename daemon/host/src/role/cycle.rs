@@ -44,8 +44,7 @@ pub trait Role {
     /// Verdicts do not: on a bench where nobody works there are none.
     const INPUT_IS_STEADY: bool;
 
-    /// Every port, outputs first: a writer answers its readers when it is looked at, and the look ends at the first port
-    /// with a message.
+    /// Every port, outputs first. A writer answers its readers when it is looked at, and the look ends at the first port with a message.
     fn ports(&mut self) -> Vec<&mut dyn Port>;
 
     /// The longest wait for a message before the next turn. The heartbeat has to come around in it.

@@ -1,5 +1,4 @@
-//! Plays a recording as if its source were live, or as fast as its readers go: films and pictures as frames, track files as
-//! detections.
+//! Plays a recording as if its source were live, or as fast as its readers go. Films and pictures become frames, track files detections.
 
 use std::time::Duration;
 

@@ -25,8 +25,8 @@ const MAX_WRONG_RATE: f64 = 4.0;
 const MAX_TILT: f64 = 0.01;
 /// A part is turned so far, by half the angle, that another order of the numbers cannot be meant.
 const MIN_TURN: f64 = 0.2;
-/// Where there is no rotation about the other axes at all, because the tracker knows only the bench's normal, next to no turn is needed. Nothing that
-/// is measured keeps to exactly half a turn.
+/// Where there is no rotation about the other axes, because the tracker knows only the bench's normal, hardly any turn is needed. Nothing that is
+/// measured keeps to exactly half a turn.
 const NO_TILT: f64 = 1e-6;
 const MIN_TURN_WITHOUT_TILT: f64 = 0.005;
 
@@ -103,7 +103,7 @@ impl Conventions {
         let is_same = *count >= HANDS && y[1] - y[0] < SAME_M && z[1] - z[0] > APART_M;
         if self.space == Space::Plane && is_same {
             Err(format!(
-                "all hands and parts have the same y, {}, and their z differ: in space \"plane\" the bench is x and y, and these places \
+                "all hands and parts have the same y, {}, and their z differ. In space \"plane\" the bench is x and y, and these places \
                  seem to have their height second; write [x, z, y], and turn q likewise",
                 f64::from(y[0])
             ))
@@ -146,16 +146,16 @@ impl Conventions {
         match units.into_iter().find(|(_, factor)| is_meant(*factor)).or(numbers) {
             None => Ok(()),
             Some((unit, factor)) => Err(format!(
-                "t goes on by {step} from frame to frame, and at rate_hz {} it should by {:.4}: t is in seconds, and this seems to be in \
-                 {unit}; divide it by {factor}",
+                "t goes on by {step} from frame to frame, and at rate_hz {} it should by {:.4}. t is in seconds, and this seems to be in {unit}; \
+                 divide it by {factor}",
                 self.rate_hz,
                 1.0 / self.rate_hz
             )),
         }
     }
 
-    /// A part on a bench turns about the bench's normal, more than about any other axis: the numbers of the other two axes are small. Where these
-    /// are the first two of all rotations, while the third one changes, the real part is the last.
+    /// A part on a bench turns about the bench's normal, more than about any other axis. The numbers of the other two axes are small. Where these are
+    /// the first two of all rotations, while the third one changes, the real part is the last.
     fn rotation(&mut self, object: &Object) -> Result<(), String> {
         let [a, b, c, d] = object.orientation.map(f64::from);
         let c = if d < 0.0 { -c } else { c };
@@ -172,8 +172,8 @@ impl Conventions {
             *first_two < MAX_TILT && turn > MIN_TURN || *first_two < NO_TILT && turn > MIN_TURN_WITHOUT_TILT;
         if *count >= ROTATIONS && is_last {
             return Err(format!(
-                "q of object {} and of all others turns about no axis that a part on a bench turns about, unless its numbers stand in the order \
-                 x, y, z, w; here it is [w, x, y, z]: put the last one first",
+                "q of object {} and of all others turns about no axis that a part on a bench turns about. Its numbers seem to stand in \
+                 the order x, y, z, w; here it is [w, x, y, z]: put the last one first",
                 object.id
             ));
         }
@@ -208,7 +208,7 @@ pub(super) fn other_text(line: &[u8]) -> Option<&'static str> {
         }
         [b'{', ..] | [] => return None,
         _ => {
-            "it is no JSON, as where a table (CSV) has the name of a track file, whose lines are one JSON object each: a header, then a frame in each"
+            "it is no JSON, as where a table (CSV) has the name of a track file. Its lines are one JSON object each: a header, then a frame in each"
         }
     })
 }

@@ -66,7 +66,7 @@ pub fn person_of(file: &str) -> Option<u32> {
     words.iter().find_map(|word| person.strip_prefix(word)?.parse().ok())
 }
 
-/// The names of the pairs of these objects that come near each other by chance only, so that a contact between them does not count.
+/// The names of the pairs of these objects that come near each other by chance only. So a contact between them does not count.
 pub fn incidental_pairs(objects: &[NamedObject]) -> Vec<[String; 2]> {
     let of = |object: &NamedObject| -> Vec<[String; 2]> {
         let others = object.shape.incidental.iter();

@@ -41,7 +41,7 @@ impl fmt::Display for Truncation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{}, line {}: the file ends in the middle of this line, so it was not written to its end, and nothing is said of what came then; copy \
+            "{}, line {}: the file ends in the middle of this line: it was not written to its end. Nothing is said of what came then; copy \
              it again, or remove this line if no more is missing",
             self.file, self.line
         )
@@ -388,7 +388,7 @@ fn object_of(entry: &ObjectEntry, header: &Header) -> Result<Option<Object>, Str
             entry.id, length as f32
         ));
     }
-    // A quaternion of length 1, as far as `f32` can tell, is kept bit for bit, so that a recording replays as it was recorded.
+    // A quaternion of length 1, as far as `f32` can tell, is kept bit for bit. So a recording replays as it was recorded.
     let length = if (length - 1.0).abs() < f64::from(f32::EPSILON) { 1.0 } else { length };
     Ok(Some(Object { id: entry.id, position, orientation: orientation.map(|part| (part / length) as f32) }))
 }

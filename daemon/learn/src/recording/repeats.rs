@@ -64,7 +64,7 @@ impl<R: BufRead> Iterator for SeenTracks<R> {
 /// The frames of a track file, held back for as long as a place may stand still.
 ///
 /// A frame that repeats the one before, hands and parts, for longer than `blind_ms` was not seen. Neither was a part whose place does, while the hand
-/// that has moved it goes on. Where parts lie still bit for bit by themselves, as those of a simulator without errors, that says nothing, and all is
+/// that has moved it goes on. Where parts lie still bit for bit by themselves, as those of a simulator without errors, that says nothing. Then all is
 /// taken for seen.
 #[derive(Debug, Default)]
 struct Repeats {

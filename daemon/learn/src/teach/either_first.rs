@@ -1,7 +1,7 @@
 //! Either hand may be the first where both meet.
 //!
 //! One hand takes hold of a part and leaves it where it lies, and the other hand brings another part there. Hands that begin within a few seconds of
-//! each other show no order (`relation`). So the part that is brought may be there first, and the first IU, in which the hand holds its part alone,
+//! each other show no order (`relation`). So the part that is brought may be there first. Then the first IU, in which the hand holds its part alone,
 //! does not come. Such an activity is right without its first IU, too.
 
 use super::TeachOptions;
@@ -84,7 +84,7 @@ mod tests {
     const PLATE: u16 = 5;
     const CLOTH: u16 = 6;
 
-    /// The right hand takes the plate at this time and has moved it so far when the left hand brings the cloth, after 12 s.
+    /// The right hand takes the plate at this time and has moved it so far. The left hand brings the cloth after 12 s.
     fn run(taken_s: f64, path_m: f32) -> Run {
         let header = Header {
             rate_hz: 30.0,

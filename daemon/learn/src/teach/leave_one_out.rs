@@ -26,7 +26,7 @@ pub(super) struct LeftOut {
     pub(super) rejected_before: Vec<String>,
     /// The names of those that they reject although nothing more can be made weaker.
     pub(super) rejected: Vec<String>,
-    /// Where a run that was left out lay among the others in what it was rejected for at first, by the rule and its name.
+    /// Where a run that was left out lay among the others in what rejected it first, by the rule and its name.
     pub(super) shown: BTreeMap<(Rule, String), Distribution>,
 }
 
@@ -37,7 +37,7 @@ struct Fold<'a> {
 
 struct Rejection {
     name: String,
-    /// The first rule that it breaks of those that can be made weaker, with where it lies. Later differences may follow from it: a run that has a
+    /// The first rule that it breaks of those that can be made weaker, with where it lies. Later differences may follow from it. A run that has a
     /// step, with one contact more, does not show that it can be left out. `None` if the others teach no job, or it does something else that they do
     /// not know.
     broken: Option<(Rule, Option<Distribution>)>,

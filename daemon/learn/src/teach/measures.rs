@@ -32,10 +32,10 @@ pub(super) const UNBOUNDED: Bounds = Bounds { min: 0, max: u32::MAX };
 const PRIOR_STROKE: f64 = 0.15;
 pub(super) const PRIOR_PATH: f64 = 0.12;
 const PRIOR_DETOUR: f64 = 0.14;
-/// How people in general differ at another part where they work by feel and count no strokes. It is in the logarithm of the time there beside the
-/// way in and out, of a path, of a detour and of the number of reversals. It is 0.2 to 0.3 in the median of simulated people who do.
+/// How people in general differ at another part where they work by feel and count no strokes. It is in the logarithm: of the time there beside the
+/// way in and out, of a path, a detour and the reversals. It is 0.2 to 0.3 in the median of simulated people who do.
 pub(super) const PRIOR_BY_FEEL: f64 = 0.3;
-/// How people in general differ in how far off the straight line their way leads: as a share of how far it does and [`HAND_WIDTH_M`]. It is 0.04
+/// How people in general differ in how far off the straight line their way leads. It is a share of how far it does and [`HAND_WIDTH_M`]. It is 0.04
 /// to 0.07 in the median of simulated people, 0.12 in nine of ten IUs, and 0.11 in motion capture.
 const PRIOR_LATERAL: f64 = 0.12;
 const PRIOR_REVERSALS: f64 = 0.2;
@@ -58,7 +58,7 @@ pub(super) const COUNTED_SHARE: (usize, usize) = (5, 6);
 const TOLERATED_PATH_M: f64 = 0.05;
 
 /// The share of the job's rate of false alarms for each of the two measures by which people differ much. With these, what is wrong is found only near
-/// the limit: strokes half as long, no pause at a part. The five measures without a share of their own have the rest: counts are whole, so that a
+/// the limit: strokes half as long, no pause at a part. The five measures without a share of their own have the rest. Counts are whole, so that a
 /// stroke less is found at any rate.
 const NEAR_SHARE: f64 = 0.35;
 
@@ -248,7 +248,7 @@ impl Rates {
     }
 
     /// The more a way leads off the straight line, the more people differ in it; and who goes straight does not always do so. They differ by a share of
-    /// how far it leads and of [`HAND_WIDTH_M`], as in paths: by 0.04 to 0.07 in the median of simulated people, and by 0.11 in motion capture.
+    /// how far it leads and of [`HAND_WIDTH_M`], as in paths: by 0.04 to 0.07 in the median of simulated people, 0.11 in motion capture.
     fn max_lateral_m(&self, shown: &[Measures], strength: Strength) -> f32 {
         let laterals: Vec<f64> = shown.iter().map(|measures| measures.lateral_m.into()).collect();
         let (centre, apart) = self.interval(
@@ -346,7 +346,7 @@ fn is_directed(iu: &ShownIu) -> bool {
     iu.context.is_pair() && iu.measured.iter().all(|measures| measures.path_m >= HAND_WIDTH_M)
 }
 
-/// Whether the strokes are circles, or lead up and down, of which the axis does not tell: its length is 0 for a circle and 1 for a straight line.
+/// Whether the strokes are circles, or lead up and down, of which the axis does not tell. Its length is 0 for a circle and 1 for a straight line.
 fn is_round(shown: &[Measures]) -> bool {
     let along = |measures: &Measures| f64::from(measures.axis[0].hypot(measures.axis[1]));
     mean(&shown.iter().map(along).collect::<Vec<_>>()) < 0.5

@@ -201,7 +201,7 @@ pub enum TeachError {
         /// How many there may be.
         max: usize,
     },
-    /// An IU of a run cannot be compared: the index of its activity in the run and its own in that, from 1, and why.
+    /// An IU of a run cannot be compared: the index of its activity in the run, its own in that, from 1, and why.
     #[error("run {0}, step {1}, IU {2}: {3}; at most {IU_FRAMES} frames can be compared")]
     Iu(String, usize, usize, Refused),
     /// The option with this name has this value, and must be in this range.

@@ -74,7 +74,7 @@ fn learned(report: &TeachReport) -> String {
         report.ius.iter().map(cells),
         "How to read it: one row for each Interaction Unit (IU), the time in which a hand touches the same objects. Shown is the number of \
          demonstrations. Seconds and reversals of the motion are from the minimum to the maximum that is right. Distance is how far the motions of \
-         the demonstrations are from the learned one (DTW), mean and standard deviation; threshold is the largest that is right.",
+         the demonstrations are from the learned one (DTW), mean and standard deviation. Threshold is the maximum that is right.",
     )
 }
 

@@ -1,12 +1,12 @@
-//! The order of a job as a partial one: what stands before what in all runs, and whether that is enough evidence for a law.
+//! The order of a job as a partial one: what stands before what in all runs, and whether that is evidence for a law.
 //!
 //! Every run that was shown is right. A before B is law where all runs that have both agree, and the gap between them is safely large. Its mean over
 //! the runs is large enough ([`margin`]) on the clock with the least spread for its size. Those clocks are the sequence of the one hand that does
-//! both, the sequence of the job for what one hand does too, and time. Between two hands only time counts, and hands that begin within a few seconds
-//! of each other show nothing. A person does not mind which is first. An order that all runs have without that evidence is the usual order: another
-//! one is a note.
+//! both, that of the job for what one hand does too, and time. Between two hands only time counts, and hands that begin within a few seconds of each
+//! other show nothing. A person does not mind which is first. An order that all runs have without that evidence is the usual order: another one is a
+//! note.
 //!
-//! Two unrelated steps come in the same order in all `n` runs with a probability of `2^(1-n)`, so one run shows no order at all.
+//! Two unrelated steps are in the same order in all `n` runs with a probability of `2^(1-n)`. One run shows no order.
 
 use super::options::TeachOptions;
 use super::sequence::{Agreement, Sequence};
@@ -103,8 +103,7 @@ fn allows_insertions(step: usize, agreement: &Agreement) -> bool {
         .any(|sequence| usize::from(sequence.activity) == step && sequence.allows_insertions)
 }
 
-/// The sequences that do only a part of what other runs do in one, where this step is the rest or a part of it. Whoever lets go in the middle does
-/// two steps.
+/// The sequences that do only a part of what other runs do in one, where this step is a part of it. Whoever lets go in the middle does two steps.
 fn completed_by(step: usize, agreement: &Agreement) -> Vec<u16> {
     let sequences = &agreement.sequences;
     let of_step = |sequence: &&Sequence| usize::from(sequence.activity) == step;

@@ -139,7 +139,8 @@ impl TeachReport {
 
     fn one_person(&self) -> Option<String> {
         (self.used() > 1 && self.one_person > 0.5).then(|| {
-            "one person seems to have shown the runs, so other people are given more room: if it was not one, begin their names with p1_, p2_ and so on"
+            "one person seems to have shown the runs, so other people are given more room. \
+             If it was not one, begin the names of its runs with p1_, p2_ and so on"
                 .to_owned()
         })
     }
@@ -176,7 +177,7 @@ impl TeachReport {
         let (one, next) =
             self.ius.iter().zip(self.ius.iter().skip(1)).find(|(one, next)| is_same(one, next))?;
         Some(format!(
-            "step {}, IU {} and IU {} look the same ({}), so that their order and where they end is not judged: put a marker where the part comes to lie",
+            "step {}, IU {} and IU {} look the same ({}). Their order and where they end is not judged: put a marker where the part comes to lie",
             one.activity + 1,
             one.iu + 1,
             next.iu + 1,
@@ -263,7 +264,7 @@ impl TeachReport {
         let used = self.used();
         let usable = match self.runs {
             _ if used == 1 => "usable with care, because one run shows neither in which order the work may be done nor how much correct runs \
-                 differ: any order is accepted, and the thresholds are a guess from the spread of other people."
+                 differ. Any order is accepted, and the thresholds are a guess from the spread of other people."
                 .to_owned(),
             runs if used == runs => {
                 format!("usable, because the {runs} runs agree in all their steps and none of them stands out.")

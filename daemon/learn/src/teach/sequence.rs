@@ -1,7 +1,7 @@
 //! What the runs have in common: the steps of the job, found from the contexts alone.
 //!
 //! A *step* is what a hand does with the object that it takes first. It has that hand, that object, and the number of earlier activities of the run
-//! with the same two. Where no run has both hands at an object, the hand is the one that most runs use: the other one does the same step. A hand that
+//! with the same two. Where no run has both hands at an object, the hand is the one that most runs use. The other one does the same step. A hand that
 //! touches something without moving it is at a step only if all runs have that; otherwise it rests or steadies. Within a step the most common
 //! sequence of contexts is nominal, and another sequence that enough runs have is a variant. A run that does a step in another way is left out, and
 //! so is one that lacks most of what most runs do.

@@ -29,7 +29,7 @@ pub(super) enum Rule {
     Measure(StepKey, Context, Measure),
 }
 
-/// How much of a rule the runs leave: by how many steps its bound is wider than what is known of people in general and these runs make it.
+/// How much of a rule is left: by how many steps its bound is wider than people in general and these runs say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Strength(u8);
 

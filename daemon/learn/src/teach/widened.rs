@@ -20,8 +20,8 @@ pub(super) fn sentences(
 ) -> Vec<Statement> {
     let Some(LeftOut { strengths, rejected_before, rejected, shown }) = left_out else {
         return vec![format!(
-            "{used} run{} cannot show what another right run would be rejected for: from {MIN_ALIKE} runs on each is judged by what the others teach; \
-             until then whatever differs more than people in general is an anomaly, and any order of the steps is right",
+            "{used} run{} cannot show what another right run would be rejected for. From {MIN_ALIKE} runs on each is judged by what the others teach. \
+             Until then whatever differs more than people in general is an anomaly, and any order of the steps is right",
             if used == 1 { "" } else { "s" }
         )
         .into()];

@@ -22,7 +22,7 @@ pub(super) const MAX_SIDE_ERROR: f64 = 0.02;
 /// Maximum distance of a marker from its stated position, in metres: the accuracy of a ruler on a bench.
 pub(super) const MAX_CENTRE_ERROR_M: f64 = 0.003;
 
-/// Three markers are in a line where their triangle is lower than this share of its longest side: a ruler places a marker no better.
+/// Three markers are in a line where their triangle is lower than this share of its longest side. A ruler places a marker no better.
 const MIN_HEIGHT: f64 = 0.01;
 
 /// Where a calibration is compared with a lens, as shares of the picture: around its middle, where the markers lay.

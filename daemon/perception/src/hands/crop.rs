@@ -10,8 +10,8 @@ use crate::pixel_format::PixelFormat;
 use opencv::core::{self, Mat, Rect, Scalar, Size, ToInputArray};
 use opencv::{imgproc, prelude::*};
 
-/// Up to this step, in pixels of the picture, sampling between four pixels averages as much noise away as the mean over a step would. It costs half
-/// as much. Beyond it, pixels are skipped.
+/// Up to this step, in pixels of the picture, sampling between four pixels averages away as much noise as the mean over a step. It costs half as
+/// much. Beyond it, pixels are skipped.
 const SKIPS: f32 = 1.5;
 
 /// Twice the largest picture. OpenCV counts places in 1/1024 of a pixel, in 32 bits.

@@ -16,7 +16,7 @@ use std::time::Instant;
 
 /// Two regions that overlap more than this hold the same hand (MediaPipe's `min_similarity_threshold`).
 const SAME_HAND: f32 = 0.5;
-/// A lost hand keeps its side if it is found again within this time, in nanoseconds, and in a region that overlaps its old one.
+/// A lost hand keeps its side if it is found again within this time, in nanoseconds, where its region overlaps the old one.
 const REMEMBERED_NS: u64 = 1_000_000_000;
 /// Minimum overlap of the old region and the new one: a hand at 1 m/s has left its region within `REMEMBERED_NS`.
 const REMEMBERED_OVERLAP: f32 = 0.1;

@@ -72,8 +72,8 @@ mod interface {
             })
         }
 
-        /// Detects markers in a part of a picture, of which `share` is the length of its larger side in relation to that of the picture. What is too
-        /// small for a marker in the picture is so in its part.
+        /// Detects markers in part of a picture, of which `share` is the length of its larger side relative to that of the picture. What is too small
+        /// for a marker in the picture is so in its part.
         pub(in crate::markers) fn detect(
             &mut self,
             gray: &impl ToInputArray,

@@ -1,4 +1,4 @@
-//! Where markers are looked for: while all of them are seen, around the places where they were, and now and then in the whole picture.
+//! Where markers are looked for. While all are seen, that is around where they were, and now and then in the whole picture.
 //!
 //! On the clips, with noise and in the dark, this finds the same markers in the same frames, in less than half the time. A marker that is
 //! out of sight is looked for everywhere in every frame.
@@ -35,7 +35,7 @@ impl Windows {
         Self { search, wanted, windows: Vec::new(), size: [0; 2], since_whole: 0 }
     }
 
-    /// The windows to look into first; `None` as long as any marker is missing, so that one which appears is found in its first frame.
+    /// The windows to look into first. `None` as long as any marker is missing, so that one which appears is found in its first frame.
     pub(super) fn near(&mut self, image: &ImageView<'_>) -> Option<&[Rect]> {
         self.since_whole += 1;
         let is_near = self.search == MarkerSearch::Near

@@ -15,8 +15,8 @@ use crate::points::PixelPoint;
 /// higher than 1.5 m.
 const RANGE_M: [f64; 2] = [0.25, 1.6];
 
-/// Depths that differ by less than this, in metres, belong to one surface. The noise of a D435i at 1 m is 2 to 4 mm, and a finger falls away by 4 mm
-/// over half its width.
+/// Depths that differ by less than this, in metres, belong to one surface. The noise of a D435i at 1 m is 2 to 4 mm. A finger falls away by 4 mm over
+/// half its width.
 const SURFACE_M: f64 = 0.012;
 
 /// A surface needs this share of the pixels with depth: a fingertip fills a third of its window, and flying points are fewer.
@@ -88,8 +88,8 @@ impl<'a> Sampler<'a> {
         Self { image, rig }
     }
 
-    /// The nearest surface that a colour pixel sees, as a point of the colour camera's frame; the window that votes
-    /// reaches `reach_m` metres each way. `None` where too few pixels have depth.
+    /// The nearest surface that a colour pixel sees, as a point of the colour camera's frame. The window that votes reaches `reach_m` metres each
+    /// way. `None` where too few pixels have depth.
     pub(super) fn surface(&self, pixel: PixelPoint, reach_m: f64) -> Option<Point3<f64>> {
         let [column, row] = self.counterpart(pixel)?;
         let z = self.image.at(column, row).unwrap_or(RANGE_M[1]);

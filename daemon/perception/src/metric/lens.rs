@@ -10,8 +10,8 @@ pub enum Distortion {
     None,
     /// Brown-Conrady as in OpenCV: the tangential part of the undistorted point.
     BrownConrady,
-    /// Brown-Conrady with the tangential part of the radially distorted point. This is what librealsense computes for the
-    /// model that it calls inverse, which D400 colour streams have, and for the one that it calls modified.
+    /// Brown-Conrady with the tangential part of the radially distorted point. This is what librealsense computes for the model that it calls
+    /// inverse, which D400 colour streams have, and for the modified one.
     InverseBrownConrady,
 }
 

@@ -1,5 +1,4 @@
-//! Whether the camera was moved. Markers that lay still then lie elsewhere in the picture, all of them, as if the picture had been shifted, turned or
-//! scaled as one.
+//! Whether the camera was moved. Markers that lay still then all lie elsewhere in the picture, as if it had been shifted, turned or scaled as one.
 //!
 //! Parts are moved, too, and sometimes several at once. So the markers must have moved at one time, and at least one of them lay where no hand was.
 //! Nothing that is seen may have stayed from where the picture's movement would have taken it. A tray that carries all parts away looks the same from
@@ -198,7 +197,7 @@ impl Camera {
         // One marker alone does not say to within a pixel where the other end of the picture was turned to.
         let fitting: Vec<Move> = together.iter().filter(must_fit).copied().collect();
         let shift = Shift::of(&fitting)?;
-        // What lies in the middle of a turn is hardly moved by it, and what is on its way may pass by where it lay.
+        // What lies in the middle of a turn hardly moves. What is on its way may pass by where it lay.
         let has_stayed = self.places.iter().any(|place| {
             place.lay.is_some_and(|(lay, lay_since_ns, seen_ns)| {
                 let is_there =

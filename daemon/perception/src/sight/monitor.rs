@@ -312,8 +312,8 @@ impl Baseline {
 /// A still picture that was coded again with losses is not found, because a bench on which nobody moves is coded alike. Both are blocks that are
 /// taken over from the picture before. It was tried on films with a camera's noise, of four codecs at seven qualities, frozen for 1.5 s or live. No
 /// measure of a window of 0.7 s keeps the two apart. The figures are the largest value of a frozen film and the least of a live one. The share of
-/// pixels that differ from one picture to the next is 0.048 and 0.0004, and that change within the window 0.23 and 0.007. The mean change of the
-/// block that changes most is 1.0 and 0.8 grey levels. The median packet in the container has 169 and 18 bytes, and against the median of its film
+/// pixels that differ from one picture to the next is 0.048 and 0.0004. Within the window 0.23 and 0.007 change. The mean change of the block that
+/// changes most is 1.0 and 0.8 grey levels. The median packet in the container has 169 and 18 bytes, and against the median of its film
 /// 0.85 and 0.12. Within one codec and quality two of them do in most cases, which a line cannot know.
 #[derive(Default)]
 struct Stillness {

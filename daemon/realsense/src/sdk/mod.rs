@@ -23,7 +23,7 @@ pub use picture::Frame;
 /// Where depth is captured, every frame has it. A colour picture without a depth picture of its moment ([`crate::pair`]) is not a frame, and counts
 /// as dropped.
 ///
-/// A frame lies in one of the sensor's own buffers, of which there are few: write it out and drop it before the next wait.
+/// A frame lies in one of the sensor's own buffers, of which there are few. Write it out and drop it before the next wait.
 #[derive(Debug)]
 pub struct Source {
     kind: Kind,

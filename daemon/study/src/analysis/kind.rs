@@ -33,8 +33,8 @@ pub struct Kind {
 }
 
 impl Kind {
-    /// The kinds of a folder. The paper's six if the folder has their activities, otherwise every IU with a hand in the most common sequence of
-    /// contexts of each name.
+    /// The kinds of a folder. The paper's six if their activities are there, else every IU with a hand in the most common sequence of contexts of
+    /// each name.
     pub fn of(all: &[Labelled]) -> Vec<Self> {
         let has = |what: &str| all.iter().any(|one| one.what == what);
         if OF_PAPER.iter().all(|(_, what, _)| has(what)) { Self::of_paper() } else { Self::of_names(all) }

@@ -120,7 +120,7 @@ impl Page {
                 heat(&matrix, "single-subject confidence matrix", group),
                 &format!(
                     "How to read it: each cell compares two executions (kind u, repetition r) by person {person}; {LEGEND}. Dark blocks on the diagonal \
-                     mean that the person repeats a kind in the same way; a dark block off the diagonal means that two kinds have the same motion."
+                     mean that the person repeats a kind in the same way. A dark block off the diagonal means that two kinds have the same motion."
                 ),
             );
             self.files.push(("single_subject.csv".to_owned(), matrix.csv()));
@@ -139,8 +139,7 @@ impl Page {
             heat(&matrix, "multi-subject confidence matrix", group),
             &format!(
                 "How to read it: each cell is the mean distance between all repetitions of one kind by one person and those of another kind or person \
-                 (people {} in this order within each block); {LEGEND}. A block of one shade means that it does not matter who did it; a light \
-                 stripe through a block is a person who does it differently.",
+                 (people {} in this order within each block); {LEGEND}. A block of one shade means that it does not matter who did it. A light stripe through a block is a person who does it differently.",
                 people.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
             ),
         );
@@ -244,8 +243,8 @@ impl Page {
             picture::selection(selection, "selection of candidates"),
             &format!(
                 "How to read it: {} against the nominal activities of all names, which other people taught. Each line is the DTW distance to the \
-                 reference of the IU as a share of its threshold: while the IU goes on, the least that it can still become, at its end the distance. \
-                 A candidate drops out (✕) where its context differs, or where its line crosses the threshold. What remains is what was done; if \
+                 reference of the IU as a share of its threshold. While the IU goes on, it is the least that it can still become. \
+                 At its end it is the distance. A candidate drops out (✕) where its context differs, or where its line crosses the threshold. What remains is what was done; if \
                  nothing remains, the activity is an anomaly.",
                 selection.run
             ),

@@ -1,12 +1,12 @@
 //! DBSCAN on contexts (paper III-C: Euclidean distance, ε = 1).
 //!
-//! Neighbours are nearer than ε here, and not at most ε away. The paper says both: contexts are similar "if their distance is smaller than 1", and
+//! Neighbours are nearer than ε here, and not at most ε away. The paper says both. Contexts are similar "if their distance is smaller than 1", and
 //! the library that it names (scikit-learn) takes at most ε. The two differ where ids differ by one. With at most ε, the hand with object 5 and that
 //! with object 6 would be one IU. A chain of neighbouring ids would be one cluster. That contradicts that "two distinct `x_c` are representative of
 //! different IUs". Ids that are two apart or more give the same clusters either way.
 //!
 //! It is written out here because the only well-maintained crate with DBSCAN, linfa-clustering, brings 50 more crates and takes at most ε.
-//! Every point is a core point (one neighbour is enough), so there is no noise: an IU that was seen once is still an IU.
+//! Every point is a core point (one neighbour is enough), so there is no noise. An IU that was seen once is still an IU.
 
 use andon_core::couple::Context;
 

@@ -9,7 +9,7 @@ use andon_core::job::LocalCost;
 use andon_learn::run::Run;
 use std::fmt;
 
-/// An IU as the paper lists it: whether a hand is involved, the name of the object `o_j`, and the name of the object `o_l`.
+/// An IU as the paper lists it: whether a hand is involved, the object `o_j`, and the name of the object `o_l`.
 type Nominal = (bool, &'static str, Option<&'static str>);
 
 /// The activities of the experiment, and the IUs that they have according to the paper.

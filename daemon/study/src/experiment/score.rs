@@ -58,7 +58,7 @@ fn score_activity(taught: &TaughtActivity, verdicts: &[Verdict]) -> ActivityScor
     ActivityScore { is_accused: activity_accused.unwrap_or(true), accused_ius }
 }
 
-/// For each IU of an activity its index among the IUs that are counted: a release state has the index of the IU before it.
+/// For each IU of an activity its index among the counted ones. A release state has the index of the IU before it.
 fn counted_indices(activity: &TaughtActivity) -> Vec<usize> {
     let mut count = 0;
     let index = |(number, iu): (usize, &TaughtIu)| {

@@ -25,7 +25,7 @@ const MIN_CORRECT: usize = 3;
 /// Number of rounds of the cross-validation.
 const ROUNDS: usize = 10;
 
-/// The name of the flawed executions, and the IU that the paper's subjects perform wrongly: index of the activity, index of the IU in it.
+/// The name of the flawed executions, and the IU that the paper's subjects perform wrongly, by the indices of its activity and of itself.
 const FLAWS: [(&str, usize, usize); 2] = [("J1", 0, 1), ("J2", 1, 1)];
 
 /// How executions are divided into a training set and a test set.

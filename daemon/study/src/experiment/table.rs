@@ -4,8 +4,7 @@ use super::confusion::Rounds;
 use super::second::Outcome;
 use std::fmt;
 
-/// The paper's table (IV-B): level, then true negatives, false positives, false negatives and true positives, then mean and standard
-/// deviation of the accuracy in percent.
+/// The paper's table (IV-B): level, true and false negatives and positives, then mean and standard deviation of the accuracy in percent.
 const PAPER: [(&str, [u32; 4], [f64; 2]); 2] =
     [("IU", [858, 52, 0, 140], [95.0, 2.7]), ("activity", [252, 44, 0, 124], [89.5, 5.1])];
 

@@ -68,7 +68,7 @@ impl Earned<'_> {
         found
     }
 
-    /// Whether this part lay there when a job began: from when the PLC told of it to when the line had taken the next one.
+    /// Whether this part lay there when a job began, from when the PLC told of it until the line had the next one.
     fn lay_at_bench(&self, part: &str, began_ns: u64) -> bool {
         let is_its_begin = |told: &Told| told.part == part;
         let is_its_end = |told: &Told| told.part != part && told.is_part_taken;

@@ -20,7 +20,7 @@ struct Unable {
 pub(crate) struct Oracle(Vec<Unable>);
 
 /// How long the line may say that it is ready after a role can work no more. The longest time that a role may be silent, and the longest that the
-/// PLC's side may stand still before it says so by itself.
+/// PLC's side may stand still before it says so.
 fn may_last_ms(role: &str) -> f64 {
     let silence_ms = if role == "journal" { 3000.0 } else { 1000.0 };
     silence_ms + 500.0

@@ -1,8 +1,8 @@
-/* A library that a program is started with. It notes in DISK_LOG what the program does to the files of DISK_FOLDER, in order, and ends
+/* A library that a program is started with. It notes in DISK_LOG what the program does to the files of DISK_FOLDER, in order. It ends
    the program with SIGKILL where it does so for the time DISK_CUT. `disk.rs` reads the notes and says what is left after a loss of power.
 
-   A change is noted before it is made, a synchronisation after it has succeeded: whatever the program could know to be on disk has
-   been noted. SQLite's index of its log is memory that is shared through a file; it is mapped, never synchronised, and not noted. */
+   A change is noted before it is made, a synchronisation after it has succeeded. So whatever the program could know to be on disk is
+   noted. SQLite's index of its log is memory that is shared through a file; it is mapped, never synchronised, and not noted. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fcntl.h>

@@ -24,7 +24,7 @@ use std::fs;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// A life ends before the journal has done more than this to its disk: opening takes about 20, and a verdict with its acknowledgement 20.
+/// A life ends before the journal has done more than this to its disk. Opening takes about 20, and a verdict with its acknowledgement 20.
 const MAX_STEPS: usize = 160;
 /// The cycle of the PLC: the journal is at work for most of the time.
 const SCAN: Duration = Duration::from_millis(1);

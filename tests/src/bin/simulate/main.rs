@@ -50,7 +50,7 @@ fn run(arguments: &[&str]) -> Outcome {
     }
 }
 
-/// A folder for each work by feel and each person: the first two by motion capture, the third one by the boxes of a camera.
+/// A folder for each work by feel and each person. The first two are by motion capture, the third by a camera's boxes.
 fn people(seed: u64, folder: &Path) -> Outcome {
     for work in ByFeel::ALL {
         for person in 1..=3 {

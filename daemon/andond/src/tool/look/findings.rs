@@ -12,8 +12,8 @@ use super::inspector::{Inspection, side_px};
 const DARK: f32 = 15.0;
 /// Share of white pixels from which on parts of the bench are dazzled. Paper that is as white as a marker's edge has no edge to it.
 const DAZZLED: f32 = 0.15;
-/// Noise, in grey levels, from which on hands begin to be missed. With ffmpeg's `noise=alls=20:allf=t` the shipped clips have 13, and the hand
-/// is found in 99.4 % of the frames; with `alls=40` they have 26, and 1 %.
+/// Noise, in grey levels, from which on hands begin to be missed. With ffmpeg's `noise=alls=20:allf=t` the shipped clips have 13, and the hand is
+/// found in 99.4 % of the frames. With `alls=40` they have 26, and 1 %.
 const NOISY: f32 = 10.0;
 /// Of the step across an edge, less than this lies within two pixels where the lens is out of focus. Blurred by ffmpeg's `gblur=2` the shipped clips
 /// have 0.63, and every marker is found as before. By `gblur=3` they have 0.57, and markers of 30 pixels are lost.
@@ -21,7 +21,7 @@ const SOFT: f32 = 0.6;
 /// A marker this near to the edge of the picture leaves it with the next movement, in sides of the marker.
 const EDGE_SIDES: f32 = 0.5;
 
-/// A hand is lost rather than withdrawn if less than this share of the pictures show it, from the first to the last that does.
+/// A hand is lost rather than withdrawn if fewer than this share of pictures show it, from the first to the last that does.
 const HELD: f32 = 0.5;
 
 /// One sentence.

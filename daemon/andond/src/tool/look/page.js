@@ -1,6 +1,6 @@
 "use strict";
 
-// One picture after the other: the next is asked for when this one is shown, so that a slow browser gets fewer and none too late.
+// The next picture is asked for when this one is shown, so that a slow browser gets fewer and none too late.
 const picture = document.getElementById("picture");
 const source = document.getElementById("source");
 const lines = document.getElementById("lines");

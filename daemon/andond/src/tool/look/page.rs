@@ -1,7 +1,7 @@
 //! A page on this machine: the newest picture and its sentences, fetched one after the other by a few lines of JavaScript.
 //!
 //! It listens on the loopback address only. A page of another site that a browser on this machine has open must not read it either. A name that leads
-//! here by a trick of the other site's DNS is refused by the header Host, and no answer allows other origins.
+//! here by a trick of the other site's DNS is refused by the header Host. No answer allows other origins.
 
 use std::io;
 use std::net::SocketAddr;

@@ -138,7 +138,7 @@ impl Running {
         Ok(Some(View { at_ns, picture: &self.picture, format: self.format, seen: Some(&self.seen) }))
     }
 
-    /// Takes the newest frame with what the line has seen in it, and returns when it was captured; `None` when it is asked to stop.
+    /// Takes the newest frame with what the line has seen in it, and returns when it was captured. `None` when it is asked to stop.
     fn take(&mut self) -> Result<Option<u64>, ToolError> {
         let until = Instant::now() + PATIENCE;
         let mut wanted: Option<(u64, u64)> = None;

@@ -76,7 +76,7 @@ fn name_of(MessageId { epoch, seq }: MessageId) -> String {
     format!("confirmed-{epoch}-{seq}.tracks.jsonl")
 }
 
-/// Writes the piece that a verdict is on. False where the recording has not all of it or cannot be read, which is said: half a run teaches what is
+/// Writes the piece that a verdict is on. False where the recording has not all of it or cannot be read, which is said. Half a run teaches what is
 /// wrong, and the others teach without it.
 fn write(recording: &Path, verdict: MessageId, run: &Path) -> Result<bool, ToolError> {
     let piece = match piece_of(recording, verdict) {

@@ -133,7 +133,7 @@ pub(super) struct Progress<'a> {
     /// has shown so.
     seen_undone: ActivitySet,
     undone_first: ActivitySet,
-    /// The activities that use an object which has not been seen since the last job ended or the encoder started; `None` before the first frame.
+    /// The activities that use an object which has not been seen since the last job ended or the encoder started. `None` before the first frame.
     never_seen: Option<ActivitySet>,
     /// The activities that use an object which is out of sight in the newest couples.
     out_of_sight: ActivitySet,
@@ -373,7 +373,7 @@ impl<'a> Progress<'a> {
         self.all.iter().fold(ActivitySet::EMPTY, |set, _| step(set))
     }
 
-    /// The activities that came behind one of these in all runs, too many for chance: what was not seen is assumed to keep to that.
+    /// The activities that came behind one of these in all runs, too many for chance. What was not seen is assumed to keep to that.
     fn usually_behind(&self, activities: ActivitySet) -> ActivitySet {
         self.job.whose_law(|law| law.runs >= MIN_USUAL_RUNS && law.usually_after.intersects(activities))
     }
@@ -388,7 +388,7 @@ impl<'a> Progress<'a> {
         self.unseen | self.state.may_precede
     }
 
-    /// The number in this job of an activity that this hand begins, whether it is seen to begin then, and whether it is a step.
+    /// The number in this job of an activity that this hand begins, whether it is seen to begin, and whether it is a step.
     pub(super) fn next_activity(&mut self, side: Side, began_ns: u64, is_seen: bool, is_step: bool) -> u16 {
         let other = side.other();
         let came = self.state.done | self.state.wrong;
@@ -468,7 +468,7 @@ impl<'a> Progress<'a> {
     }
 
     /// Sets what the open activity of a hand is as it was seen, and what it may be. Where that is `None`, something did not fit and was not seen well
-    /// enough to be wrong: it may be what it may have been before.
+    /// enough to be wrong. It may be what it may have been before.
     pub(super) fn set_underway(&mut self, side: Side, as_seen: ActivitySet, may_be: Option<ActivitySet>) {
         self.state.underway[side.index()] = self.activities_of(as_seen.iter());
         if let Some(may_be) = may_be {

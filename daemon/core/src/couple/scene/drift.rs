@@ -37,7 +37,7 @@ impl Scene {
         libm::hypotf(self.drift_m(j), l.map_or(0.0, |l| self.drift_m(l)))
     }
 
-    /// How far an object that lies still seems to move at most while a change is believed, in metres; 0 where that is not known.
+    /// How far an object at rest seems to move at most while a change is believed, in metres. 0 where that is not known.
     pub(super) fn drift_m(&self, object: usize) -> f32 {
         self.objects[object].drift.bound_m().unwrap_or_default()
     }

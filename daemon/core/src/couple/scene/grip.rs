@@ -67,7 +67,7 @@ impl Scene {
         }
     }
 
-    /// Whether an object has moved in the time in which a change is believed, and not only by errors; `None` where it is not seen.
+    /// Whether an object has moved in the time in which a change is believed, and not only by errors. `None` where it is not seen.
     pub(super) fn has_moved(&self, object: usize) -> Option<bool> {
         let now = self.seen_object(object, 0)?;
         let earlier = self.seen_object(object, self.method.persist_frames.into())?;
@@ -77,8 +77,8 @@ impl Scene {
         Some(exceeds(MOVED_M) && exceeds(self.drift_m(object)) && exceeds(jitter_m()))
     }
 
-    /// The object that a hand would carry if it were hidden from now on. One that the hand has been seen to leave behind stays where it is:
-    /// it takes longer to believe that the hand has let go.
+    /// The object that a hand would carry if it were hidden from now on. One that the hand has been seen to leave behind stays where it is. It takes
+    /// longer to believe that the hand has let go.
     pub(super) fn gripped(&self, hand: usize) -> Option<usize> {
         let Interaction::Acts { j, .. } = self.interactions[hand] else { return None };
         let holds = self.hands[hand].ago(0).source == Source::Seen

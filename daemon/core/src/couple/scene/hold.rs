@@ -11,7 +11,7 @@ use crate::input::Point;
 /// The place is the mean of this many frames, the first ones in which the object rests. Its error is less than a third of that of one.
 const MEAN_FRAMES: u16 = 10;
 
-/// Where a hand holds an object that has moved with it: the centre of the finger tips in the frame of reference of the object.
+/// Where a hand holds an object that has moved with it: the centre of the finger tips in the frame of the object.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hold {
     object: usize,
@@ -24,8 +24,8 @@ pub(super) struct Hold {
 }
 
 impl Hold {
-    /// One frame later, in which the object rests and is held here. Where it has moved in the hand before that, as with two hands that carry it, the
-    /// place starts again where the hand is seen. So the hand does not seem to leap.
+    /// One frame later, in which the object rests and is held here. Where it has moved in the hand before that, as with two hands, the place starts
+    /// again where the hand is seen. So the hand does not seem to leap.
     fn rest(self, at: Point) -> Self {
         let has_slipped = self.moves && has_moved(at, self.at);
         let known = if has_slipped { 0 } else { self.frames };
@@ -36,7 +36,7 @@ impl Hold {
         Self { at: add(self.at, change), frames: known + 1, moves: false, ..self }
     }
 
-    /// Where the hand acts on the bench while the object rests; `None` if it is seen farther away than `max_m` from where it would hold it.
+    /// Where the hand acts on the bench while the object rests. `None` if it is seen farther away than `max_m` from where it would hold it.
     fn acts_at(&self, hand: &HandPose, object: &ObjectPose, max_m: f32) -> Option<Point> {
         let at = add(object.position, rotated(self.at, object.orientation));
         (squared_distance(at, hand.grip()) < max_m * max_m).then_some(at)

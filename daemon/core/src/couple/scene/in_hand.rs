@@ -21,8 +21,8 @@ use crate::capacity::{HANDS, OBJECTS};
 use crate::input::Point;
 use core::f32::consts::SQRT_2;
 
-/// Two positions of an object at rest are seldom farther apart than this share of the noise bound, in the plane once in seven times. Those of one
-/// that passes are.
+/// Two positions of an object at rest are seldom farther apart than this share of the noise bound. In the plane it is once in seven times. Those of
+/// one that passes are.
 const MAX_REST_SHARE: f32 = 0.4;
 
 /// Whether a hand acts on an object.
@@ -151,7 +151,7 @@ impl Scene {
         moved.is_some_and(|(_, path_m)| path_m > self.hand_contact(object).on_m)
     }
 
-    /// Whether a hand that has led an object may still hold it: it has not been seen to move along it or away from it.
+    /// Whether a hand that has led an object may still hold it. It has not been seen to move along it or away from it.
     fn stays_anywhere(&self, hand: usize, object: usize, age: usize) -> bool {
         self.relative_path(hand, object, age).is_none()
             || self.is_within_reach(hand, object, age) && self.slips_until(hand, object, age).is_none()
@@ -251,9 +251,9 @@ impl Scene {
         [i, j].iter().all(|object| self.objects[*object].poses.ago(age).source == Source::Seen)
     }
 
-    /// Whether the object moves with a hand at it, or the hand rests relative to it up to the end of the window; `None` where that was not measured.
-    /// If the hand is at several objects and rests relative to one, it also rests relative to each that rests relative to this one. Which of them
-    /// is measured to rest first is chance.
+    /// Whether the object moves with a hand at it, or the hand rests relative to it up to the end of the window. `None` where that was not measured.
+    /// If the hand is at several objects and rests relative to one, it also rests relative to each that rests relative to this one. Which of them is
+    /// measured to rest first is chance.
     pub(super) fn rests(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
         if !self.is_at(hand, object, age) {
             return Some(false);
@@ -313,13 +313,13 @@ impl Scene {
         self.moves_away(hand, object, age).is_some_and(|distance| distance > self.hand_contact(object).on_m)
     }
 
-    /// The distance from hand to object at the end of the window, in metres, if the hand moves away until then and the object stays.
+    /// The distance from hand to object at the end of the window, in metres, if the hand moves away and the object stays.
     pub(super) fn moves_away(&self, hand: usize, object: usize, age: usize) -> Option<f32> {
         let distance = self.distance_from_hand(hand, object, self.slips_until(hand, object, age)?);
         (distance > self.distance_from_hand(hand, object, age)).then_some(distance)
     }
 
-    /// The age of the window's last known frame, if the hand moves along the object or away from it until then and the object stays.
+    /// The age of the window's last known frame, if the hand moves along the object or away from it and the object stays.
     pub(super) fn slips_until(&self, hand: usize, object: usize, age: usize) -> Option<usize> {
         let (newest, path_m) = self.relative_path(hand, object, age)?;
         // The errors come last, because they take longest.
@@ -342,7 +342,7 @@ impl Scene {
         self.method.hand_contact.on_m / 2.0
     }
 
-    /// Whether the object moves with the hand: more than half as far as they move apart, and the hand over a quarter of its way. Two hands that carry
+    /// Whether the object moves with the hand. It moves more than half as far as they move apart, and the hand over a quarter of its way. Two hands that carry
     /// a part together do not hold it as stiffly as one. The first share halved or doubled, 32 or 31 of 3,700 drawn streams differ, and 50 or
     /// 52 of the second one.
     fn follows(&self, hand: usize, object: usize, age: usize) -> bool {
@@ -357,8 +357,8 @@ impl Scene {
         })
     }
 
-    /// The speed of the finger tips relative to the object, in m/s, in the bench frame or in that of the object, whichever is less. So the
-    /// orientation of a part that turns without meaning does not matter.
+    /// The speed of the finger tips relative to the object, in m/s, in the bench frame or that of the object, whichever is less. So the orientation
+    /// of a part that turns without meaning does not matter.
     fn relative_speed(&self, hand: usize, object: usize, age: usize) -> Option<f32> {
         let speed_in = |frame: usize| {
             let motion =
@@ -369,7 +369,7 @@ impl Scene {
     }
 
     /// The age of the window's last known frame, and the displacement of the finger tips relative to the object until then, in metres. It is from
-    /// this frame or the last known one before it, in the bench frame or in that of the object, whichever is less.
+    /// this frame or the last known one before it, in the bench frame or that of the object, whichever is less.
     fn relative_path(&self, hand: usize, object: usize, age: usize) -> Option<(usize, f32)> {
         let positions = |age: usize| self.relative_positions(hand, object, age);
         let mut ages = age..=age + usize::from(self.method.persist_frames);

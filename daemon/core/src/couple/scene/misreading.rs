@@ -15,7 +15,7 @@ const MAX_ACCELERATION_M_S2: f32 = 60.0;
 /// acceleration alone allows more. Markers side by side are farther apart. Halved or doubled, 11 or 21 of 3,700 drawn streams differ.
 const NOISE_M: f32 = 0.05;
 
-/// What has jumped to where it is seen is not seen there unless it stays for as long as a change takes to be believed.
+/// What has jumped to where it is seen counts as unseen, unless it stays for as long as a change takes to be believed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Misreading {
     /// Where it was seen in the newest frame if that was not believed, and how many frames in a row were not.
@@ -43,7 +43,7 @@ pub(super) fn is_reached(fixes: [Fix; 2], seen: Point, pushed: u32, method: &Met
     off_course_m(fixes, seen) <= reach_m(pushed, method)
 }
 
-/// How far in metres what was here is from where it would be if it rested, or went on as it moved, whichever is nearer.
+/// How far in metres what was here is from where it would be if it rested or moved on, whichever is nearer.
 pub(super) fn off_course_m([newest, before]: [Fix; 2], seen: Point) -> f32 {
     let (from, frames) = (newest.place, newest.unseen.saturating_add(1));
     // What was not seen before the newest frame is held where it was seen last, and has come from there since.

@@ -122,8 +122,8 @@ pub(super) struct Scene {
     holds: [Option<Hold>; HANDS],
     /// For how many frames each has been what it is.
     lasted: [u32; HANDS],
-    /// What was not seen when each began: [`Unseen::CHANGE`] where it was not seen how the one before ended or it is not known whether its two
-    /// objects touch, [`Unseen::ARRIVAL`] and [`Unseen::MOVE`].
+    /// What was not seen when each began: [`Unseen::CHANGE`], [`Unseen::ARRIVAL`] and [`Unseen::MOVE`]. The first stands where the end of the one
+    /// before was not seen, or it is not known whether its two objects touch.
     began: [Unseen; HANDS],
 }
 
@@ -405,7 +405,7 @@ impl Scene {
         Some(steady.map_or(seen, |motion| motion.position))
     }
 
-    /// `x_m` of a hand that acts on an object and of a pair of objects that touch each other; `None` where any of it was not measured.
+    /// `x_m` of a hand that acts on an object and of a pair of objects that touch each other. `None` where any of it was not measured.
     fn motion(
         &self,
         hand: usize,

@@ -11,7 +11,7 @@ use super::{Node, Scene, squared_distance};
 use crate::capacity::HANDS;
 use crate::set::ObjectSet;
 
-/// What a seen hand carries may be lost for this many times `blind_ms`, by default two seconds: nobody puts it down and comes back sooner. With
+/// What a seen hand carries may be lost for this many times `blind_ms`, by default two seconds. Nobody puts it down and comes back sooner. With
 /// twice 40 of 3,700 drawn streams differ, and 26 with four times.
 const CARRIED_BLIND_TIMES: u32 = 3;
 

@@ -113,8 +113,8 @@ fn touching(places: &[Place], runs: usize) -> (Vec<Place>, Vec<Place>) {
     if are_same(&far) && is_shown { (far, others) } else { split }
 }
 
-/// Whether the two may meet at one of these places. Two parts that are both put back side by side do not, unless it is at the same place in all runs
-/// that have one.
+/// Whether the two may meet at one of these places. Two parts that are put back side by side do not, unless it is at the same place in all runs that
+/// have one.
 fn may_meet(places: &[Place]) -> impl Fn(&Place) -> bool {
     let back: Vec<Place> = places.iter().filter(|place| place.is_beside).copied().collect();
     let is_put_together = are_same(&back) && runs_of(&back) >= MIN_ALIKE;

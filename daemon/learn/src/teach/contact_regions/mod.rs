@@ -80,7 +80,7 @@ pub(super) fn learn(runs: &[Run], method: &Method) -> (Vec<NamedObject>, Vec<Str
     (objects, unsure)
 }
 
-/// Two objects, the one that is carried more before the other one: the place is in the frame of reference of that which lies more.
+/// Two objects, the one that is carried more before the other one. The place is in the frame of that which lies more.
 fn in_order([with, at]: [usize; 2], shown: &[Trajectories]) -> [usize; 2] {
     let carried = |object: usize| shown.iter().map(|run| run.carried_frames(object)).sum::<usize>();
     if carried(with) >= carried(at) { [with, at] } else { [at, with] }

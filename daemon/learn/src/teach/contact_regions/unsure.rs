@@ -75,8 +75,9 @@ fn brought_beside(index: usize, objects: &[NamedObject], shown: &[Trajectories])
         let [object, other] = [index, other].map(|index| &objects[index].name);
         Some(format!(
             "{object} comes to rest {:.0} cm from {other} in {} of {} runs, at the same place: two objects count as touching if their \
-             markers are within {:.0} cm, farther apart only if at least three runs show it, so that it is not noticed if {object} does not come there; if they touch, show it once more, give both interaction_points, or move the \
-             markers nearer to where they do",
+             markers are within {:.0} cm, farther apart only if at least three runs show it. \
+             So it is not noticed if {object} does not come there; if they touch, show it once more, give both \
+             interaction_points, or move the markers nearer to where they do",
             100.0 * places[0].coords.norm(),
             places.len(),
             shown.len(),

@@ -6,8 +6,8 @@ use crate::teach::sequence::{Agreement, MIN_RUNS};
 use andon_core::couple::Context;
 use andon_core::input::Side;
 
-/// The run that does the steps of one hand that all runs have in another order than all others do, if there is exactly one. The order between two
-/// hands is no evidence: hands that work side by side begin now the one, now the other first.
+/// The one run that does the common steps of one hand in another order than all others, if there is exactly one. The order between two hands is no
+/// evidence: hands that work side by side begin now the one, now the other first.
 pub(super) fn odd_one(
     runs: &[&Run],
     agreement: &Agreement,

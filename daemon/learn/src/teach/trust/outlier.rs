@@ -100,7 +100,7 @@ fn do_most_agree(count: f64, others: &[f64]) -> bool {
 }
 
 /// Whether a count of reversals contradicts what the others prove. They prove the number that they make, or that half of it is too few, whatever
-/// people make by feel. Who repeats no motion proves no number: of 210 sets of work by feel 9 were refused because one run had two reversals more
+/// people make by feel. Who repeats no motion proves no number. Of 210 sets of work by feel 9 were refused because one run had two reversals more
 /// there.
 fn contradicts_number(count: f64, others: &[f64]) -> bool {
     let counts: Vec<u32> = others.iter().map(|count| *count as u32).collect();
@@ -158,7 +158,7 @@ impl Outlier {
     }
 }
 
-/// The demonstrations that stand out, at most one per run: the one that stands out most, and a pause only if there is no other.
+/// The demonstrations that stand out, at most one per run. It is the one that stands out most, and a pause only if there is no other.
 pub(super) fn of_runs(runs: &[Run], agreement: &Agreement, options: &TeachOptions) -> Vec<Outlier> {
     let mut found: Vec<(usize, f64, Outlier)> = Vec::new();
     for sequence in &agreement.sequences {

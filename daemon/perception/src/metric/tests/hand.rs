@@ -6,7 +6,7 @@ const TABLE: f64 = 0.76;
 /// The back of the hand.
 const BACK: f64 = 0.66;
 
-/// A landmark of a flat hand, palm down, fingers away from the worker: the palm is 80 mm wide, the fingers are 20 mm apart.
+/// A landmark of a flat hand, palm down, fingers away from the worker. The palm is 80 mm wide, the fingers are 20 mm apart.
 fn landmark(index: usize) -> [f64; 2] {
     let (finger, joint) = (index.saturating_sub(1) / 4, index.saturating_sub(1) % 4);
     match index {
@@ -37,7 +37,7 @@ fn hand(cover: Option<f64>) -> Vec<u8> {
     scene::depth(&parts)
 }
 
-/// The shape that a hand model guesses: that of the hand, but a fifth smaller and with the tip of the index finger bent down.
+/// The shape that a hand model guesses: a fifth smaller than the hand, and with the tip of the index finger bent down.
 fn outline(tip_below: f64) -> Outline {
     let shape: [[f32; 3]; LANDMARKS] = std::array::from_fn(|index| {
         let [x, y] = landmark(index);

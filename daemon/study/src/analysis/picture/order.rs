@@ -9,7 +9,7 @@ use andon_learn::svg::Svg;
 const STEP: [f64; 2] = [250.0, 80.0];
 const ROOM: [f64; 2] = [26.0, 60.0];
 
-/// Above the steps are the names of the hands, below them is the legend, and between the hands run the arrows that pass other steps.
+/// Above the steps are the names of the hands, below them is the legend. Between the hands run the arrows that pass other steps.
 const HEAD: f64 = 44.0;
 const LEGEND: f64 = 122.0;
 const MARGIN: f64 = 20.0;

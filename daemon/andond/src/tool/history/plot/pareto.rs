@@ -12,7 +12,7 @@ const ROW: f64 = 28.0;
 /// How many faults the picture has room for.
 const MAX_FAULTS: usize = 12;
 
-/// Draws the bars from this height on, and how many of all wrong pieces the bars so far have; the height at which they end.
+/// Draws the bars from this height on, and how many of all wrong pieces the bars so far have. The height at which they end.
 pub(super) fn draw(out: &mut String, summary: &Summary<'_>, mut y: f64) -> f64 {
     let wrong = summary.count(Outcome::Anomaly);
     if wrong == 0 {
