@@ -53,7 +53,7 @@ impl Role for Encode<'_> {
         }
         let Some(detections) = cycle.take(&mut self.detections)? else { return Ok(Turn::Idle) };
         if cycle.is_at_end() || self.encoding.begins_again(detections.source_ns) {
-            self.send_rest(cycle)?;
+            self.send_remaining(cycle)?;
             self.begin()?;
         }
         if cycle.is_at_end() {
@@ -72,7 +72,7 @@ impl Encode<'_> {
             return Ok(());
         }
         let job = jobs::in_force(self.config, judging)?;
-        self.send_rest(cycle)?;
+        self.send_remaining(cycle)?;
         self.encoding = Encoding::new(self.config, job.as_ref())?;
         self.visibility = Visibility::new(self.config);
         Ok(())
@@ -91,7 +91,7 @@ impl Encode<'_> {
     }
 
     /// Sends what the encoder still holds back.
-    fn send_rest(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+    fn send_remaining(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         let ready = &mut self.ready;
         self.encoding.flush(&mut |couples| ready.push(couples));
         self.send_ready(cycle)

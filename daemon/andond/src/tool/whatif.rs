@@ -1,6 +1,6 @@
 //! `andond whatif`: what another job would have said of what was recorded, beside what was said.
 //!
-//! Both are judged anew from what was detected, with the commands where they came. So the two columns differ only where the jobs do, even for a clip
+//! Both are judged again from what was detected, with the commands where they came. So the two columns differ only where the jobs do, even for a clip
 //! that begins in the middle of a piece. What several clips show is counted in the oldest of them, which has what came before it.
 
 use std::collections::{BTreeMap, HashMap};

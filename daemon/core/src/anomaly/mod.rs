@@ -355,7 +355,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         }
         // What a hand does with the same part afterwards is not the remainder of what it did before.
         let is_idle = |couple: &Couple| couple.context == Context::IDLE && !couple.lacks(Unseen::CHANGE);
-        if bench.progress.is_set_anew() && couples.hands.iter().all(is_idle) {
+        if bench.progress.is_reset() && couples.hands.iter().all(is_idle) {
             segmenter.finish(&mut |event| bench.take(&event, None));
         }
     }

@@ -1,4 +1,4 @@
-//! The recent poses of hands and objects on the grid. An unseen pose is held. A hidden object that a hand carries moves with it, and so does a hidden
+//! The recent poses of hands and objects on the grid. An unseen pose is kept. A hidden object that a hand carries moves with it, and so does a hidden
 //! hand with what it carries.
 
 use super::geometry::{
@@ -61,8 +61,8 @@ pub(super) enum Source {
     Carried,
     /// It is hidden by a hand that is at it, and is taken to lie where it was last seen.
     Covered,
-    /// It was not seen, for no reason that is known: the last pose is held.
-    Held,
+    /// It was not seen, for no reason that is known: the last pose is kept.
+    Kept,
 }
 
 impl Source {
@@ -142,7 +142,7 @@ impl HandPose {
     pub(super) fn held(self) -> Self {
         match self.source {
             Source::Never => self,
-            _ => Self { source: Source::Held, unseen: self.unseen.saturating_add(1), held_at: None, ..self },
+            _ => Self { source: Source::Kept, unseen: self.unseen.saturating_add(1), held_at: None, ..self },
         }
     }
 
@@ -230,9 +230,9 @@ impl ObjectPose {
     pub(super) fn held(self, covered: bool) -> Self {
         let source = match self.source {
             Source::Never => return self,
-            Source::Held => Source::Held,
+            Source::Kept => Source::Kept,
             Source::Seen | Source::Covered if covered => Source::Covered,
-            _ => Source::Held,
+            _ => Source::Kept,
         };
         Self { source, unseen: self.unseen.saturating_add(1), ..self }
     }

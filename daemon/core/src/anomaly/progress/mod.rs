@@ -234,7 +234,7 @@ impl<'a> Progress<'a> {
 
     /// Whether the bench has been set for the next piece. A part that a judged activity moves for good has been away. It lies again where the job
     /// began, and so does all that lay there then.
-    pub(super) fn is_set_anew(&self) -> bool {
+    pub(super) fn is_reset(&self) -> bool {
         let is_back = self.seen_undone & self.state.left;
         !self.is_concluded()
             && is_back.intersects(self.state.done | self.state.wrong)

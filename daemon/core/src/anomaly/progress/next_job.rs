@@ -29,7 +29,7 @@ impl Progress<'_> {
         if is_disturbed && self.state.fault.is_some() {
             return true;
         }
-        if self.is_set_anew() {
+        if self.is_reset() {
             self.state.phase = if may_go_on { Phase::EndAssumed } else { Phase::Open };
             return true;
         }

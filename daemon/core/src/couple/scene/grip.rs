@@ -16,7 +16,7 @@ impl Scene {
     pub(super) fn move_holding_hands(&mut self) {
         for index in 0..HANDS {
             let [hand, before] = [0, 1].map(|age| self.hands[index].ago(age));
-            let has_vanished = hand.source == Source::Held && before.source.is_known();
+            let has_vanished = hand.source == Source::Kept && before.source.is_known();
             if has_vanished
                 && hand.unseen <= self.blind_frames
                 && let Some([from, to]) = self.followed(index)

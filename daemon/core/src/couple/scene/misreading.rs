@@ -46,8 +46,8 @@ pub(super) fn is_reached(fixes: [Fix; 2], seen: Point, pushed: u32, method: &Met
 /// How far in metres what was here is from where it would be if it rested or moved on, whichever is nearer.
 pub(super) fn off_course_m([newest, before]: [Fix; 2], seen: Point) -> f32 {
     let (from, frames) = (newest.place, newest.unseen.saturating_add(1));
-    // What was not seen before the newest frame is held where it was seen last, and has come from there since.
-    let is_step_seen = newest.source == Source::Seen && matches!(before.source, Source::Seen | Source::Held);
+    // What was not seen before the newest frame is kept where it was seen last, and has come from there since.
+    let is_step_seen = newest.source == Source::Seen && matches!(before.source, Source::Seen | Source::Kept);
     let step = if is_step_seen {
         let since = before.unseen.saturating_add(1) as f32;
         subtract(from, before.place).map(|way| way / since)

@@ -205,7 +205,7 @@ impl Scene {
             };
             // It had let go of what it moved with, or holds it otherwise.
             if before.source == Source::Carried && seen.is_some_and(is_elsewhere) {
-                poses.revise(before.unseen, |pose| pose.source = Source::Held);
+                poses.revise(before.unseen, |pose| pose.source = Source::Kept);
             }
             poses.push(seen.unwrap_or(before.held()));
         }
@@ -230,7 +230,7 @@ impl Scene {
         }
         for (index, (node, seen)) in self.objects.iter_mut().zip(seen).enumerate() {
             let before = node.poses.ago(0);
-            let was_hidden = before.source == Source::Held && before.unseen > persist;
+            let was_hidden = before.source == Source::Kept && before.unseen > persist;
             if was_hidden && seen.is_some_and(|seen| has_moved(seen.position, before.position)) {
                 self.displaced.iter_mut().for_each(|displaced| displaced.set(index, true));
             }

@@ -28,7 +28,7 @@ impl Scene {
         if squared_distance(assumed.position, seen.position) <= max_m * max_m {
             return;
         }
-        self.objects[object].poses.revise(assumed.unseen, |pose| pose.source = Source::Held);
+        self.objects[object].poses.revise(assumed.unseen, |pose| pose.source = Source::Kept);
         self.touches.iter_mut().for_each(|edges| edges[object].forget(assumed.unseen));
         for other in 0..self.objects.len() {
             self.adjacent[object.min(other)][object.max(other)].forget(assumed.unseen);
