@@ -129,7 +129,7 @@ impl Record {
             "memory_mb",
             &mut self.memory_mb,
             within(4, 200, "MB"),
-            "Memory for the pictures before a verdict. Where it is too small for before_s, clips begin later. As much again may wait for a slow disk.",
+            "Memory for the pictures before a verdict. Where it is too small for before_s, clips begin later. As much again may wait for a slow disk. With 32 MB for all other messages that is all that the role keeps.",
         );
         k.key(
             "file_mb",
