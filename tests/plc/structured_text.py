@@ -39,12 +39,16 @@ def tokens(text):
     return found
 
 
+def number(word):
+    return int(word[3:], 16) if word.startswith("16#") else int(word)
+
+
 class FunctionBlock:
     """An instance: `self.of[name]` is the value of a variable, a list for an array."""
 
     def __init__(self, text):
         self.tokens, self.at = tokens(text), 0
-        self.of, self.types, self.retained = {}, {}, []
+        self.of, self.types, self.retained, self.constants = {}, {}, [], set()
         self.take("FUNCTION_BLOCK")
         self.name = self.next()
         while self.peek().startswith("VAR"):
@@ -72,8 +76,8 @@ class FunctionBlock:
 
     def declarations(self):
         self.next()
-        is_retained = self.peek() == "RETAIN"
-        if is_retained:
+        is_retained, is_constant = self.peek() == "RETAIN", self.peek() == "CONSTANT"
+        if is_retained or is_constant:
             self.next()
         while self.peek() != "END_VAR":
             name = self.next()
@@ -84,12 +88,16 @@ class FunctionBlock:
                 count = int(self.next()) + 1
                 self.take("]"), self.take("OF")
                 kind = self.next()
-            self.take(";")
             zero = False if kind == "BOOL" else 0
             if kind not in WIDTH and kind != "BOOL":
                 raise SyntaxError(f"structured text: the type {kind}")
             self.types[name] = kind
             self.of[name] = zero if count is None else [zero] * count
+            if is_constant:
+                self.take(":=")
+                self.of[name] = number(self.next())
+                self.constants.add(name)
+            self.take(";")
             if is_retained:
                 self.retained.append(name)
         self.take("END_VAR")
@@ -112,6 +120,8 @@ class FunctionBlock:
     def assignment(self):
         name = self.next()
         kind, index = self.types[name], None
+        if name in self.constants:
+            raise SyntaxError(f"structured text: {name} is a constant")
         if self.peek() == "[":
             index = self.index()
         self.take(":=")
@@ -216,8 +226,8 @@ class FunctionBlock:
             self.take(")")
             return value
         if word[0].isdigit():
-            number = int(word[3:], 16) if word.startswith("16#") else int(word)
-            return lambda: number
+            value = number(word)
+            return lambda: value
         if word in ("TRUE", "FALSE"):
             return lambda: word == "TRUE"
         if word in CONVERSIONS:

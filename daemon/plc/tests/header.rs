@@ -84,3 +84,37 @@ fn the_register_document_is_what_the_table_says() {
         "REGISTERS.md is old: cargo run -p andon-plc --example registers > daemon/plc/REGISTERS.md"
     );
 }
+
+/// A constant of the program for a controller: its name and its value.
+fn constant(line: &str) -> Option<(&str, u32)> {
+    let (name, rest) = line.trim().split_once(" : ")?;
+    let value = rest.split_once(":= ")?.1.trim_end_matches(';');
+    let hexadecimal = |digits: &str| u32::from_str_radix(digits, 16);
+    let value = value.strip_prefix("16#").map_or_else(|| value.parse(), hexadecimal);
+    Some((name, value.ok()?))
+}
+
+/// Whoever copies the program reads names. Those of registers and bits are the names of the document.
+#[test]
+fn the_constants_of_the_program_are_those_of_the_document() {
+    let program = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("andon.st")).unwrap();
+    let (constants, _) = program.split_once("VAR CONSTANT").unwrap().1.split_once("END_VAR").unwrap();
+    let document = andon_plc::document();
+    let constants: Vec<(&str, u32)> = constants.lines().filter_map(constant).collect();
+    assert!(constants.len() > 20, "{constants:?}");
+    for (name, value) in constants {
+        let (kind, word) = name.split_once('_').unwrap();
+        let word = word.to_lowercase();
+        let rows = match kind {
+            "R" => [format!("| {value} | `{word}` |"), format!("| {value}-")],
+            // Bits count from 0.
+            "IS" | "DO" => {
+                let row = format!("| {} | {word} |", value.trailing_zeros());
+                [row.clone(), row]
+            }
+            _ => [format!("| {value} | {word} |"), String::new()],
+        };
+        let is_there = |row: &&str| rows.iter().any(|begin| row.starts_with(begin.as_str())) && row.contains(&word);
+        assert!(document.lines().any(|row| is_there(&row)), "{name}: {rows:?}");
+    }
+}
