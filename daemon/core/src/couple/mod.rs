@@ -184,7 +184,7 @@ impl Couple {
         self.unseen.intersects(observations)
     }
 
-    /// Whether the hand itself was seen in this frame, rather than held from an earlier one.
+    /// Whether the hand itself was seen in this frame, rather than kept from an earlier one.
     pub fn is_hand_seen(&self) -> bool {
         self.visibility[0] == Visibility::Seen
     }

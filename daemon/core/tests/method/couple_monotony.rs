@@ -1,16 +1,12 @@
 //! Whoever sees less of a bench and says that nothing is unseen has the context of who sees all of it.
 
-use crate::common::bench::{Bench, encode_shapes, shapes};
+use crate::common::bench::{Bench, encode_shapes, gripped_shapes};
 use crate::common::cases;
+use crate::common::hiding::{contradicted, delete, gaps};
 use crate::common::seed::{drawn, wrong_cases};
-use andon_core::couple::{Context, Couples, Unseen};
 use andon_core::input::{Frame, Side};
-use andon_core::object::ObjectShape;
 use andon_rate::Rate;
 use proptest::prelude::*;
-
-/// How many frames a change takes to be believed.
-const PERSIST: usize = 5;
 
 const PARTS: [(u16, [f32; 2]); 3] = [(5, [0.0, 0.0]), (7, [0.3, 0.1]), (9, [-0.25, 0.15])];
 
@@ -94,81 +90,11 @@ impl Worker {
     }
 }
 
-/// What is not seen in a stretch of frames.
-#[derive(Clone, Copy, Debug)]
-enum Hidden {
-    Hand(Side),
-    Part(u16),
-    Parts,
-    Frames,
-}
-
-fn gap() -> impl Strategy<Value = (Hidden, usize, usize)> {
-    let hidden = prop_oneof![
-        prop::sample::select(Side::ALL.to_vec()).prop_map(Hidden::Hand),
-        prop::sample::select(vec![5, 7, 9]).prop_map(Hidden::Part),
-        Just(Hidden::Parts),
-        Just(Hidden::Frames),
-    ];
-    (hidden, 1..400usize, prop_oneof![1..8usize, 1..60usize])
-}
-
-fn delete(frames: &[Frame], gaps: &[(Hidden, usize, usize)]) -> Vec<Frame> {
-    let mut frames = frames.to_vec();
-    for (hidden, from, count) in gaps {
-        for frame in frames.iter_mut().skip(*from).take(*count) {
-            match hidden {
-                Hidden::Hand(side) => frame.hands.retain(|hand| hand.side != *side),
-                Hidden::Part(id) => frame.objects.retain(|object| object.id != *id),
-                Hidden::Parts => frame.objects.clear(),
-                Hidden::Frames => frame.is_unseen = true,
-            }
-        }
-    }
-    frames
-}
-
-/// For each frame, what the hand touches, if it is seen and nothing is unseen, nor was in the `persist_frames` before it. A hand that touches nothing
-/// is idle, whatever it has let go: that is what it did before.
-fn certainly_touched(couples: &[Couples], hand: usize) -> Vec<Option<Context>> {
-    let doubts = Unseen::CONTEXT | Unseen::CHANGE | Unseen::TAKING | Unseen::ARRIVAL | Unseen::MOVE;
-    let mut clear = 0;
-    let touched = |couples: &Couples| {
-        let couple = &couples.hands[hand];
-        clear = if couple.lacks(doubts) || !couple.is_hand_seen() { 0 } else { clear + 1 };
-        let context = if couple.context.is_touch() { couple.context } else { Context::IDLE };
-        (clear > PERSIST).then_some(context)
-    };
-    couples.iter().map(touched).collect()
-}
-
-/// The first hand and frame in which whoever sees less is certain of what the hand touches, and whoever sees all of something else. It is so for as
-/// long around it as a contact takes to be known again and to be believed.
-fn contradicted(whole: &[Couples], less: &[Couples]) -> Option<(usize, usize)> {
-    (0..2).find_map(|hand| {
-        let [whole, less] = [whole, less].map(|couples| certainly_touched(couples, hand));
-        // In the last frames nothing new is believed.
-        let frames = PERSIST..less.len().saturating_sub(3 * PERSIST);
-        let is_wrong = |frame: &usize| {
-            let mut around = whole[frame.saturating_sub(2 * PERSIST)..=frame + 2 * PERSIST].iter();
-            less[*frame].is_some() && around.all(|other| other.is_some() && *other != less[*frame])
-        };
-        frames.into_iter().find(is_wrong).map(|frame| (hand, frame))
-    })
-}
-
-/// Parts whose grip is known. One of which only the middle is known is in the hand that leads it, wherever that is.
-fn parts() -> Vec<ObjectShape> {
-    let mut shapes = shapes(&PARTS.map(|(id, _)| id));
-    let points = [[-0.005, 0.0, 0.0], [0.005, 0.0, 0.0]];
-    shapes.iter_mut().for_each(|shape| shape.interaction_points = points.into_iter().collect());
-    shapes
-}
-
 /// The scenes of a seed in which whoever sees less contradicts who sees all, and of how many.
 fn contradicted_scenes(seed: u64) -> (Vec<String>, usize) {
-    let parts = parts();
-    let scene = (prop::collection::vec([act(), act()], 2..8), prop::collection::vec(gap(), 1..4));
+    let ids = PARTS.map(|(id, _)| id);
+    let parts = gripped_shapes(&ids);
+    let scene = (prop::collection::vec([act(), act()], 2..8), gaps(&ids, 400));
     wrong_cases(1_000, seed, &scene, |(acts, gaps)| {
         let frames = Worker::frames(&acts);
         let whole = encode_shapes(&parts, &frames);

@@ -19,6 +19,14 @@ pub(crate) fn shapes(ids: &[u16]) -> Vec<ObjectShape> {
         .collect()
 }
 
+/// Objects whose grip is known. One of which only the middle is known is in the hand that leads it, wherever that is.
+pub(crate) fn gripped_shapes(ids: &[u16]) -> Vec<ObjectShape> {
+    let mut shapes = shapes(ids);
+    let points = [[-0.005, 0.0, 0.0], [0.005, 0.0, 0.0]];
+    shapes.iter_mut().for_each(|shape| shape.interaction_points = points.into_iter().collect());
+    shapes
+}
+
 /// The current positions, and the frames so far.
 pub(crate) struct Bench {
     pub(crate) frames: Vec<Frame>,

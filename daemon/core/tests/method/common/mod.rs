@@ -3,6 +3,7 @@
 pub(crate) mod bench;
 pub(crate) mod cases;
 pub(crate) mod gaps;
+pub(crate) mod hiding;
 pub(crate) mod script;
 pub(crate) mod seed;
 pub(crate) mod work;
