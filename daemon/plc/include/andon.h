@@ -493,8 +493,8 @@ AndonResult andon_open(const char *root,
 
 /**
  * Writes the next verdict to `*out` and returns ANDON_RESULT_VERDICT. When none is there, waits for at most `timeout_us` and returns
- * ANDON_RESULT_NOTHING. A judge that goes away ends the wait with ANDON_RESULT_WRITER_GONE. With `timeout_us` 0, or when a
- * verdict is there, the call does not block; a judge that has gone away is reported all the same.
+ * ANDON_RESULT_NOTHING. A judge that goes away ends the wait with ANDON_RESULT_WRITER_GONE. With `timeout_us` 0, or when a verdict is there, the
+ * call does not block. A judge that has gone away is reported all the same.
  *
  * # Safety
  * `reader` is from `andon_open`, not closed, and no other call with it is running; `out` can be written.

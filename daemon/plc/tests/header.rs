@@ -114,7 +114,8 @@ fn the_constants_of_the_program_are_those_of_the_document() {
             }
             _ => [format!("| {value} | {word} |"), String::new()],
         };
-        let is_there = |row: &&str| rows.iter().any(|begin| row.starts_with(begin.as_str())) && row.contains(&word);
+        let is_there =
+            |row: &&str| rows.iter().any(|begin| row.starts_with(begin.as_str())) && row.contains(&word);
         assert!(document.lines().any(|row| is_there(&row)), "{name}: {rows:?}");
     }
 }
