@@ -1,27 +1,25 @@
 //! One client: its request, the way to the loop and back, and the limits that keep it from costing others anything.
 
 use std::convert::Infallible;
-use std::sync::Arc;
+use std::sync::Mutex;
 use std::time::Duration;
 
-use http_body_util::Full;
-use hyper::body::{Bytes, Incoming};
+use hyper::body::Incoming;
 use hyper::header::{CONTENT_TYPE, HOST, HeaderName, HeaderValue};
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper::{Method, StatusCode};
 use hyper_util::rt::{TokioIo, TokioTimer};
-use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{Semaphore, mpsc, oneshot};
+use tokio::net::TcpStream;
+use tokio::sync::{mpsc, oneshot};
 use tokio::time::{sleep, timeout};
 
+use super::body::{Content, Ending};
+use super::clients::Asked;
 use super::{Call, Request, Response};
 
 /// How long a client may take to send its request: a machine in the same hall needs milliseconds.
 const REQUEST: Duration = Duration::from_secs(2);
-
-/// Clients that are served at once; one more waits until one of them is done. Each may hold a request and an answer in memory.
-const CLIENTS: usize = 64;
 
 /// The whole of a connection, with the time in which a slow client reads its answer.
 const CONNECTION: Duration = Duration::from_secs(10);
@@ -32,35 +30,17 @@ const LOOP_PATIENCE: Duration = Duration::from_secs(2);
 /// The request of a browser without a body is shorter.
 const REQUEST_BYTES: usize = 16 * 1024;
 
-/// After a failure to accept, as when there are no file descriptors left.
-const PAUSE: Duration = Duration::from_millis(100);
+/// How long a client has after the end of a feed to read what was sent to it.
+const REST: Duration = Duration::from_secs(1);
 
-/// Serves every client, each beside the others, until it is dropped.
-pub(super) async fn accept_all(listener: &TcpListener, calls: &mpsc::Sender<Call>) {
-    let room = Arc::new(Semaphore::new(CLIENTS));
-    // Nobody closes the semaphore.
-    while let Ok(place) = Arc::clone(&room).acquire_owned().await {
-        match listener.accept().await {
-            Ok((stream, _)) => {
-                let calls = calls.clone();
-                // The runtime has one thread, and ends with it whatever still waits.
-                tokio::spawn(async move {
-                    serve(stream, calls).await;
-                    drop(place);
-                });
-            }
-            Err(error) => {
-                tracing::debug!(%error, "a client was not accepted");
-                sleep(PAUSE).await;
-            }
-        }
-    }
-}
-
-async fn serve(stream: TcpStream, calls: mpsc::Sender<Call>) {
+/// Serves a client to the end of its connection.
+pub(super) async fn serve(stream: TcpStream, calls: mpsc::Sender<Call>, asked: Asked) {
+    let (starts, started) = oneshot::channel();
+    let starts = Mutex::new(Some(starts));
     let service = service_fn(|request: hyper::Request<Incoming>| {
-        let calls = calls.clone();
-        async move { Ok::<_, Infallible>(whole(answer(&request, &calls).await)) }
+        let (calls, starts) = (calls.clone(), &starts);
+        asked.say();
+        async move { Ok::<_, Infallible>(whole(answer(&request, &calls).await, starts)) }
     });
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
@@ -68,19 +48,33 @@ async fn serve(stream: TcpStream, calls: mpsc::Sender<Call>) {
         .max_buf_size(REQUEST_BYTES)
         .keep_alive(false)
         .serve_connection(TokioIo::new(stream), service);
-    match timeout(CONNECTION, connection).await {
-        Ok(Ok(())) => (),
-        Ok(Err(error)) => tracing::debug!(%error, "a client was not answered"),
-        Err(_) => tracing::debug!("a client took too long"),
+    tokio::select! {
+        ended = connection => if let Err(error) = ended {
+            tracing::debug!(%error, "a client was not answered");
+        },
+        () = limit(started) => tracing::debug!("a client took too long"),
+    }
+}
+
+/// Waits until the client has had its time: a feed lasts as long as its sender feeds it, everything else a fixed time.
+async fn limit(started: oneshot::Receiver<Ending>) {
+    if let Ok(Ok(ending)) = timeout(CONNECTION, started).await {
+        ending.wait().await;
+        sleep(REST).await;
     }
 }
 
 /// Lets the loop answer.
 async fn answer(request: &hyper::Request<Incoming>, calls: &mpsc::Sender<Call>) -> Response {
-    if request.method() != Method::GET {
-        return Response::text(405, "only GET is served\n");
+    if ![Method::GET, Method::HEAD].contains(request.method()) {
+        return Response::text(405, "only GET and HEAD are served\n").with(&[("allow", "GET, HEAD")]);
     }
-    let request = Request { path: request.uri().path().to_owned(), host: host(request) };
+    let uri = request.uri();
+    let request = Request {
+        path: uri.path().to_owned(),
+        query: uri.query().unwrap_or_default().to_owned(),
+        host: host(request),
+    };
     let (reply, answered) = oneshot::channel();
     // Where there is no room for it, nobody answers it either.
     let _ = calls.try_send(Call { request, reply });
@@ -98,8 +92,14 @@ fn host(request: &hyper::Request<Incoming>) -> Option<String> {
     }
 }
 
-fn whole(response: Response) -> hyper::Response<Full<Bytes>> {
-    let mut whole = hyper::Response::new(Full::new(response.body.into()));
+fn whole(response: Response, starts: &Mutex<Option<oneshot::Sender<Ending>>>) -> hyper::Response<Content> {
+    let (content, ending) = response.body.open();
+    let mut starts = starts.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    if let Some((ending, starts)) = ending.zip(starts.take()) {
+        // The other end is in `limit`, which lasts as long as this.
+        let _ = starts.send(ending);
+    }
+    let mut whole = hyper::Response::new(content);
     *whole.status_mut() = StatusCode::from_u16(response.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
     whole.headers_mut().insert(CONTENT_TYPE, HeaderValue::from_static(response.kind));
     for (name, value) in response.headers {

@@ -4,6 +4,8 @@
 //! So a client that is slow or hostile costs neither the loop nor another client anything. A loop that stands still answers nothing, and
 //! its clients are told so.
 //!
+//! An answer may go on: [`Response::feed`] gives its sending end, as for server-sent events.
+//!
 //! ```
 //! use andon_http::{Response, Server};
 //!
@@ -17,6 +19,8 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod body;
+mod clients;
 mod connection;
 
 use std::io;
@@ -28,38 +32,50 @@ use tokio::net::TcpListener;
 use tokio::runtime::Builder;
 use tokio::sync::{mpsc, oneshot};
 
-use connection::accept_all;
+use body::Sent;
+use clients::accept_all;
+
+pub use body::Feed;
 
 /// Requests that wait for the loop. A monitoring system sends one in some seconds, a browser a few at once.
 const WAITING: usize = 64;
 
-/// What a client asks for. Only `GET` comes this far.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// What a client asks for. Only `GET` and `HEAD` come this far, and the server leaves out the body of what answers the latter.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Request {
     /// The path, without a query.
     pub path: String,
+    /// What follows the question mark, as it came; empty where nothing does.
+    pub query: String,
     /// The header `Host`, if there is exactly one.
     pub host: Option<String>,
 }
 
 /// What a client is answered.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Debug)]
 pub struct Response {
     status: u16,
     kind: &'static str,
     headers: &'static [(&'static str, &'static str)],
-    body: Vec<u8>,
+    body: Sent,
 }
 
 impl Response {
     /// An answer with its media type.
     pub fn ok(kind: &'static str, body: impl Into<Vec<u8>>) -> Self {
-        Self { status: 200, kind, headers: &[], body: body.into() }
+        Self { status: 200, kind, headers: &[], body: Sent::Whole(body.into()) }
     }
 
     /// A sentence with a status, for what is not served.
     pub fn text(status: u16, sentence: &str) -> Self {
-        Self { status, kind: "text/plain; charset=utf-8", headers: &[], body: sentence.into() }
+        let body = Sent::Whole(sentence.into());
+        Self { status, kind: "text/plain; charset=utf-8", headers: &[], body }
+    }
+
+    /// An answer that goes on until its feed is dropped.
+    pub fn feed(kind: &'static str) -> (Self, Feed) {
+        let (feed, body) = Feed::new();
+        (Self { status: 200, kind, headers: &[], body }, feed)
     }
 
     /// The same with further headers, whose names are in small letters.

@@ -127,3 +127,77 @@ fn a_loop_that_stands_still_is_said_to() {
     drop(server);
     assert!(Server::bind(address).is_ok(), "the port is free again");
 }
+
+#[test]
+fn a_feed_goes_on_until_it_is_dropped_and_a_client_that_does_not_read_it_is_cut_off() {
+    let server = Server::bind(([127, 0, 0, 1], 0).into()).unwrap();
+    let mut clients: Vec<TcpStream> = (0..2).map(|_| connect(&server)).collect();
+    for client in &mut clients {
+        client.write_all(b"GET /feed HTTP/1.1\r\n\r\n").unwrap();
+    }
+    let mut feeds = Vec::new();
+    while feeds.len() < 2 {
+        server.serve(|_| {
+            let (response, feed) = Response::feed("text/event-stream");
+            feeds.push(feed);
+            response
+        });
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    // Both are sent more than the system keeps for a client, and only one of them reads.
+    let (reader, deaf) = (clients.remove(0), clients.remove(0));
+    let reader = std::thread::spawn(move || remaining(reader));
+    let message = "x".repeat(100_000);
+    let mut is_fed = [true; 2];
+    while is_fed.iter().all(|fed| *fed) {
+        for (fed, feed) in is_fed.iter_mut().zip(&feeds) {
+            *fed = feed.send(message.clone());
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    // Which of the two was answered first is not known.
+    let left = feeds.remove(usize::from(is_fed[0]));
+    drop(left);
+    assert!(feeds[0].send("the end"));
+    drop(feeds);
+    let read = reader.join().unwrap();
+    assert!(read.starts_with("HTTP/1.1 200 OK\r\n") && read.contains("the end"));
+    assert!(!remaining(deaf).contains("the end"));
+}
+
+#[test]
+fn head_is_answered_without_a_body_and_every_other_method_is_refused() {
+    served(|server| {
+        let head = ask(server, "HEAD /host HTTP/1.1\r\nHost: here\r\n\r\n");
+        assert!(head.starts_with("HTTP/1.1 200 OK\r\n") && head.contains("content-length: 4\r\n"), "{head}");
+        assert!(head.ends_with("\r\n\r\n"), "{head}");
+        for method in ["POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "CONNECT", "PROPFIND", "get"] {
+            let answer = ask(server, &format!("{method} /host HTTP/1.1\r\nHost: here\r\n\r\n"));
+            assert!(answer.starts_with("HTTP/1.1 405 "), "{method}: {answer}");
+            assert!(answer.contains("allow: GET, HEAD\r\n"), "{answer}");
+        }
+    });
+}
+
+#[test]
+fn a_body_is_never_read() {
+    served(|server| {
+        let mut client = connect(server);
+        client.write_all(b"POST / HTTP/1.1\r\nHost: here\r\nContent-Length: 100000000000\r\n\r\n").unwrap();
+        let chunk = vec![7; 1 << 16];
+        // The server closes long before a gigabyte.
+        let sent = (0..16_384).take_while(|_| client.write_all(&chunk).is_ok()).count();
+        assert!(sent < 16_384, "{sent}");
+    });
+}
+
+#[test]
+fn a_thousand_connections_that_ask_nothing_keep_nobody_out() {
+    served(|server| {
+        let silent: Vec<TcpStream> = (0..1000).map(|_| connect(server)).collect();
+        for _ in 0..20 {
+            assert!(ask(server, "GET /host HTTP/1.1\r\nHost: here\r\n\r\n").ends_with("here"));
+        }
+        drop(silent);
+    });
+}
