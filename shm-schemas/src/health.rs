@@ -27,6 +27,8 @@ codes! {
         Metrics = 9 as "metrics",
         /// From everything to recordings.
         Record = 10 as "record",
+        /// From everything to pages for people.
+        Board = 11 as "board",
     }
 }
 

@@ -28,6 +28,7 @@
 //! to be mended, also where an older version has it; it is no reason to draw again.
 #![forbid(unsafe_code)]
 
+pub mod browser;
 pub mod deletion;
 pub mod environment;
 pub mod fuzz;

@@ -7,12 +7,13 @@ use std::process::Command;
 use serde_json::Value;
 
 /// Every crate of the workspace and the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 16] = [
+const MAY_USE: [(&str, &[&str]); 17] = [
     ("andon-core", &[]),
     ("andon-learn", &["andon-core"]),
     ("shm-schemas", &[]),
     ("andon-ipc", &["shm-schemas"]),
     ("andon-http", &[]),
+    ("andon-board", &["andon-http", "shm-schemas"]),
     ("andon-journal", &["shm-schemas"]),
     ("andon-perception", &[]),
     ("andon-realsense", &[]),
@@ -27,6 +28,7 @@ const MAY_USE: [(&str, &[&str]); 16] = [
     (
         "andond",
         &[
+            "andon-board",
             "andon-core",
             "andon-host",
             "andon-http",

@@ -37,6 +37,8 @@ fn a_station_without_a_job_a_plc_and_metrics_says_so() {
     line.wait_for_log("plc", "AND-511", "");
     line.start("metrics");
     line.wait_for_log("metrics", "AND-618", "");
+    line.start("board");
+    line.wait_for_log("board", "AND-621", "");
 }
 
 #[test]

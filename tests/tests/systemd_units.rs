@@ -110,12 +110,13 @@ fn each_unit_runs_the_role_that_it_is_named_by() {
 }
 
 #[test]
-fn only_capture_sees_devices_and_only_plc_and_metrics_see_the_network() {
+fn only_capture_sees_devices_and_only_plc_metrics_and_board_see_the_network() {
     for path in units(&shipped(), ".service") {
         let text = std::fs::read_to_string(&path).unwrap();
         let has = |line: &str| text.lines().any(|found| found == line);
         assert_eq!(has("PrivateDevices=yes"), !path.contains("andon-capture@"), "{path}");
-        let sees_network = path.contains("andon-plc@") || path.contains("andon-metrics@");
+        let sees_network =
+            ["plc", "metrics", "board"].iter().any(|role| path.contains(&format!("andon-{role}@")));
         assert_eq!(has("PrivateNetwork=yes"), !sees_network, "{path}");
     }
 }

@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+use andon_board::Tables;
 use andon_host::exit::Code;
 use andon_host::log::last_error;
 use andon_host::role::{CycleError, Failure as _};
@@ -41,7 +42,7 @@ fn every_error_of_a_role_has_its_code_and_its_exit_code() {
     let station = || "bench1".to_owned();
     let (root, lock) = (PathBuf::new(), PathBuf::new());
     let address = ([127, 0, 0, 1], 502).into();
-    let errors: [(RoleError, u32, Code); 25] = [
+    let errors: [(RoleError, u32, Code); 27] = [
         (RoleError::Source(String::new()), 108, Code::Fault),
         (TrackReader::new("empty.tracks.jsonl", &b""[..]).err().unwrap().into(), 108, Code::Configuration),
         (
@@ -79,6 +80,8 @@ fn every_error_of_a_role_has_its_code_and_its_exit_code() {
         (transport().into(), 613, Code::Fault),
         (RoleError::Start { path: String::new(), source: io() }, 615, Code::Fault),
         (RoleError::Metrics { address, source: io() }, 619, Code::Fault),
+        (RoleError::Board { address, source: io() }, 622, Code::Fault),
+        (Tables::shipped().must_have("xx").unwrap_err().into(), 623, Code::Configuration),
     ];
     for (error, code, exit) in errors {
         assert_eq!((error.report(), last_error()), (exit, code), "{error}");

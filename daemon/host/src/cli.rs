@@ -129,6 +129,8 @@ pub enum Role {
     Metrics,
     /// Records what the line sees and says, to be looked at again
     Record,
+    /// Shows the station to people: to the worker, and to the technician
+    Board,
 }
 
 impl From<Role> for RoleId {
@@ -143,6 +145,7 @@ impl From<Role> for RoleId {
             Role::Plc => Self::Plc,
             Role::Metrics => Self::Metrics,
             Role::Record => Self::Record,
+            Role::Board => Self::Board,
         }
     }
 }

@@ -44,7 +44,7 @@ pub struct NotWatching {
 impl NotWatching {
     /// Whether the line watched all the same: only a process beside the data path was down.
     pub fn is_beside(&self) -> bool {
-        [RoleId::Steward, RoleId::Journal, RoleId::Plc, RoleId::Metrics, RoleId::Record]
+        [RoleId::Steward, RoleId::Journal, RoleId::Plc, RoleId::Metrics, RoleId::Record, RoleId::Board]
             .iter()
             .any(|role| self.why.strip_suffix(" was down") == Some(role.name()))
     }

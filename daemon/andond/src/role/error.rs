@@ -83,6 +83,17 @@ pub enum RoleError {
         /// What the system said.
         source: io::Error,
     },
+    /// The server of the board cannot start.
+    #[error("cannot listen on {address} for the board: {source}")]
+    Board {
+        /// The address.
+        address: std::net::SocketAddr,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The board has no words to show.
+    #[error(transparent)]
+    Words(#[from] andon_board::TableError),
     /// Recordings cannot be made.
     #[error(transparent)]
     Record(#[from] andon_record::role::RecordError),
@@ -157,6 +168,8 @@ impl Failure for RoleError {
             Self::Journal(error) => ending_of_journal(error),
             Self::Plc(_) => (&code::PLC_PORT_TAKEN, OfCode, Fault),
             Self::Metrics { .. } => (&code::METRICS_PORT_TAKEN, OfCode, Fault),
+            Self::Board { .. } => (&code::BOARD_PORT_TAKEN, OfCode, Fault),
+            Self::Words(_) => (&code::BOARD_WORDS_REFUSED, OfCode, Configuration),
             Self::Record(error) => return error.ending(),
             Self::Method(_) => (&code::CONFIGURATION_REFUSED, OfCode, Configuration),
             Self::Perception(_) | Self::Start { .. } => (&code::ROLE_FAILED, OfCode, Fault),

@@ -1,6 +1,7 @@
 //! The processes of the line, one file per role. What they share is in [`andon_host::role`]: each waits, takes, steps and publishes alike.
 
 mod audit;
+mod board;
 mod capture;
 mod clock;
 mod disabled;
@@ -47,5 +48,6 @@ pub fn run(role: cli::Role, taken: &Taken) -> Code {
         cli::Role::Plc => run_with(config, RoleId::Plc, |node| plc::run(node, config)),
         cli::Role::Metrics => run_with(config, RoleId::Metrics, |node| metrics::run(node, config)),
         cli::Role::Record => run_with(config, RoleId::Record, |node| record::run(node, config)),
+        cli::Role::Board => run_with(config, RoleId::Board, |node| board::run(node, config)),
     }
 }

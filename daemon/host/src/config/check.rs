@@ -40,6 +40,7 @@ pub(super) fn check(
     checks.method(config);
     checks.plc(config);
     checks.metrics(config);
+    checks.board(config);
     checks.record(config);
     checks.faults
 }
@@ -269,6 +270,23 @@ impl Checks<'_> {
         if config.plc.enable && config.metrics.enable && config.metrics.port == config.plc.port {
             let problem = "is plc.port as well; must be another one".into();
             self.fault("metrics.port", &["plc.port", "plc.enable", "metrics.enable"], problem);
+        }
+    }
+
+    fn board(&mut self, config: &Config) {
+        let others = [
+            (config.plc.enable, config.plc.port, ["plc.port", "plc.enable"]),
+            (config.metrics.enable, config.metrics.port, ["metrics.port", "metrics.enable"]),
+        ];
+        let same = |(enable, port, _): &(bool, u16, _)| *enable && *port == config.board.port;
+        if let Some((_, _, [other, enable])) = others.into_iter().find(same).filter(|_| config.board.enable) {
+            let problem = format!("is {other} as well; must be another one");
+            self.fault("board.port", &[other, enable, "board.enable"], problem);
+        }
+        if config.board.enable
+            && let Some(words) = &config.board.words
+        {
+            self.exists("board.words", words, true);
         }
     }
 

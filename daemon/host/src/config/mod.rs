@@ -28,6 +28,7 @@ pub use fault::{Fault, Faults};
 pub use in_force::in_force;
 pub use reference::reference;
 pub use sections::bench::{Bench, Object};
+pub use sections::board::Board;
 pub use sections::camera::{Camera, Encoding, Source, Speed};
 pub use sections::perception::{HandModel, Perception};
 pub use sections::record::{Mode as RecordMode, Record, Trigger};
@@ -70,6 +71,8 @@ pub struct Config {
     pub metrics: Metrics,
     /// What is recorded.
     pub record: Record,
+    /// The pages for people.
+    pub board: Board,
     /// When a role counts as stuck.
     pub health: Health,
     /// How much is logged.
@@ -157,6 +160,7 @@ impl Config {
         k.section("plc", "the Modbus TCP server.", |k| self.plc.keys(k));
         k.section("metrics", "numbers for a monitoring system.", |k| self.metrics.keys(k));
         k.section("record", "what is kept to be looked at again.", |k| self.record.keys(k));
+        k.section("board", "pages for the worker and for the technician.", |k| self.board.keys(k));
         k.section("health", "when a role counts as stuck.", |k| self.health.keys(k));
         k.section("log", "how much is logged.", |k| self.log.keys(k));
     }
@@ -198,6 +202,7 @@ impl Config {
             RoleId::Plc => self.plc.enable,
             RoleId::Metrics => self.metrics.enable,
             RoleId::Record => self.record.mode != RecordMode::Off,
+            RoleId::Board => self.board.enable,
             _ => true,
         };
         let roles = [
@@ -210,6 +215,7 @@ impl Config {
             RoleId::Plc,
             RoleId::Metrics,
             RoleId::Record,
+            RoleId::Board,
         ];
         roles.into_iter().filter(is_needed).collect()
     }

@@ -135,10 +135,15 @@ pub(super) enum Text {
     Name,
     /// Any text on one line.
     Line,
+    /// The name of a machine on a network.
+    Host,
 }
 
 /// Longest text, in characters.
 const TEXT_CHARACTERS: usize = 32;
+
+/// Longest name of a machine, in characters (RFC 1035).
+const HOST_CHARACTERS: usize = 253;
 
 impl Value for String {
     type Limit = Text;
@@ -151,6 +156,9 @@ impl Value for String {
             Text::Line => {
                 format!("1 to {TEXT_CHARACTERS} characters on one line, not blanks alone, in quotes")
             }
+            Text::Host => {
+                format!("1 to {HOST_CHARACTERS} letters, digits, dots and dashes, in quotes")
+            }
         }
     }
 
@@ -162,6 +170,10 @@ impl Value for String {
                 (1..=TEXT_CHARACTERS).contains(&text.chars().count())
                     && !text.contains(char::is_control)
                     && !text.trim().is_empty()
+            }
+            Text::Host => {
+                (1..=HOST_CHARACTERS).contains(&text.len())
+                    && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || b".-".contains(&byte))
             }
         };
         fits.then(|| text.to_owned())

@@ -1,0 +1,296 @@
+//! `board`: what the line does, on pages for the worker and for the technician.
+//!
+//! It only reads, and nothing waits for it: the line goes on without it as before. What the pages show is made by the crate `andon-board`. This role
+//! feeds it with the channels, the journal, the names in the job in force, and the clock.
+//!
+//! As in `metrics`, the server reads and writes in a thread of its own, and the loop answers.
+
+use std::net::SocketAddr;
+use std::time::{Duration, Instant};
+
+use andon_board::{Board, Clips, Job, Line, Settings, Step, Stop, Tables};
+use andon_host::config::{Config, RecordMode};
+use andon_host::log::{code, log};
+use andon_host::role::{Cycle, Role, Turn};
+use andon_http::Server;
+use andon_ipc::{MonotonicTime, Node, Port, Reader, Wake};
+use andon_journal::{Entry, History, JournalError, Query};
+use andon_learn::job_file::JobFile;
+use andon_plc::handshake::{Fault, Line as PlcLine};
+use andon_record::store;
+use jiff::tz::TimeZone;
+use jiff::{Timestamp, Zoned};
+use shm_schemas::{Health, Judging, RoleId, RoleState, Sight, Verdict};
+
+use super::error::report_journal;
+use super::line::LineHealth;
+use super::{RoleError, disabled, jobs};
+use crate::sight;
+
+/// The longest wait: a browser waits no longer than this to be answered. A verdict ends the wait.
+const TURN: Duration = Duration::from_millis(50);
+
+/// How often it looks whether a process has gone of which nobody tells: the steward, which tells of the others.
+const LOOK: Duration = Duration::from_millis(250);
+
+/// How often it looks for new clips while somebody looks at the events.
+const LOOK_FOR_CLIPS: Duration = Duration::from_secs(5);
+
+/// A line that starts for so long does not watch, and the worker must know. The models of `perceive` are loaded in less.
+const STARTS: Duration = Duration::from_secs(10);
+
+/// What the technician finds of the time before the board began, at least.
+const BEFORE: Duration = Duration::from_secs(24 * 3600);
+
+/// Runs until it is asked to stop.
+pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
+    let mut cycle = Cycle::new(node)?;
+    if config.board.enable {
+        let mut role = Pages::open(&mut cycle, config)?;
+        cycle.run(&mut role)
+    } else {
+        log!(code::BOARD_OFF, "board.enable is false: nothing listens");
+        disabled::run(&mut cycle)
+    }
+}
+
+struct Pages<'c> {
+    config: &'c Config,
+    server: Server,
+    board: Board,
+    verdicts: Reader<Verdict>,
+    judging: Reader<Judging>,
+    health: Reader<Health>,
+    line: LineHealth,
+    /// Since when the line starts.
+    starting: Option<Instant>,
+    /// The roles whose recording is at its end.
+    ended: Vec<u8>,
+    /// What `perceive` sees of its bench, where something is wrong with it.
+    trouble: Option<Sight>,
+    /// The hash of the job whose names are shown; `None` before the judge has said one.
+    job: Option<u64>,
+    looked: Option<Instant>,
+    looked_for_clips: Option<Instant>,
+}
+
+impl Role for Pages<'_> {
+    type Error = RoleError;
+    const INPUT_IS_STEADY: bool = false;
+
+    fn ports(&mut self) -> Vec<&mut dyn Port> {
+        vec![&mut self.verdicts, &mut self.judging, &mut self.health]
+    }
+
+    fn patience(&self) -> Duration {
+        TURN
+    }
+
+    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+        let now = MonotonicTime::now();
+        if matches!(cycle.wake(), Wake::WriterGone { .. }) {
+            self.line.departed(now);
+        }
+        self.take()?;
+        self.look(now);
+        self.board.publish(now.nanoseconds());
+        let board = &mut self.board;
+        self.server.serve(|request| board.answer(request));
+        Ok(Turn::Idle)
+    }
+}
+
+impl<'c> Pages<'c> {
+    /// A server that listens is the first step: readiness must not wait for a worker.
+    fn open(cycle: &mut Cycle<'_>, config: &'c Config) -> Result<Self, RoleError> {
+        let began = Instant::now();
+        let settings = settings(config)?;
+        let address = SocketAddr::new(config.board.bind, config.board.port);
+        let server = Server::bind(address).map_err(|source| RoleError::Board { address, source })?;
+        let node = cycle.node();
+        let mut role = Self {
+            config,
+            server,
+            board: Board::new(settings),
+            verdicts: node.reader()?,
+            judging: node.reader()?,
+            health: node.reader()?,
+            line: LineHealth::new(config),
+            starting: None,
+            ended: Vec::new(),
+            trouble: None,
+            job: None,
+            looked: None,
+            looked_for_clips: None,
+        };
+        role.remember();
+        log!(code::BOARD_LISTENING, { address = %address }, "the board at http://{address}/");
+        if !address.ip().is_loopback() {
+            log!(code::BOARD_OPEN, "board.bind is {}", address.ip());
+        }
+        cycle.stepped(began);
+        Ok(role)
+    }
+
+    /// Reads what happened before the board began. Without a journal the channels have the newest.
+    fn remember(&mut self) {
+        self.board.day(midnight_utc_ns());
+        let path = self.config.journal_path();
+        let before = Timestamp::now() - BEFORE;
+        let since_utc_ns = Some(midnight_utc_ns().min(nanoseconds(before)));
+        let read = History::open(&path).and_then(|history| {
+            history.visit(&Query { since_utc_ns, ..Query::default() }, |entry| {
+                if let Entry::Verdict(verdict) = entry {
+                    self.board.past(&verdict);
+                }
+                Ok(())
+            })
+        });
+        match read {
+            // The journal of a new station is made by its role.
+            Ok(()) | Err(JournalError::Open { .. } | JournalError::NotFile { .. }) => (),
+            Err(error) => report_journal(&error),
+        }
+    }
+
+    /// Takes everything that has come. A verdict was sent before the judge said what it does next.
+    fn take(&mut self) -> Result<(), RoleError> {
+        while let Some(verdict) = self.verdicts.take()? {
+            self.board.verdict(&verdict);
+        }
+        while let Some(judging) = self.judging.take()? {
+            if self.job != Some(judging.model_hash) {
+                self.job = Some(judging.model_hash);
+                self.board.job(names(self.config, &judging));
+            }
+            self.board.judging(&judging);
+        }
+        while let Some(health) = self.health.take()? {
+            self.line.received(&health);
+            self.board.health(&health);
+            self.ended.retain(|role| *role != health.role);
+            if health.state == RoleState::Finished.code() {
+                self.ended.push(health.role);
+            }
+            if health.role == RoleId::Perceive.code() {
+                self.trouble = sight::trouble_of(&health);
+            }
+        }
+        Ok(())
+    }
+
+    /// Looks how the line is, which day it is, and which clips there are.
+    fn look(&mut self, now: MonotonicTime) {
+        if is_due(&mut self.looked, LOOK) {
+            self.line.departed(now);
+            self.board.day(midnight_utc_ns());
+        }
+        let line = self.line.line(now);
+        let line = self.shown(line);
+        self.board.line(line, &self.line.cause());
+        let records = self.config.record.mode != RecordMode::Off && self.board.is_looked_through();
+        if records && is_due(&mut self.looked_for_clips, LOOK_FOR_CLIPS) {
+            self.board.clips(clips(self.config));
+        }
+    }
+
+    /// The line as the worker is told of it.
+    fn shown(&mut self, line: PlcLine) -> Line {
+        if line != PlcLine::Starting {
+            self.starting = None;
+        }
+        match line {
+            PlcLine::Ready => Line::Ready,
+            PlcLine::Starting if !self.ended.is_empty() => Line::Stopped(Stop::Ended),
+            PlcLine::Starting => {
+                let since = self.starting.get_or_insert_with(Instant::now);
+                if since.elapsed() < STARTS { Line::Starting } else { Line::Stopped(Stop::Role) }
+            }
+            PlcLine::Fault { fault, .. } => Line::Stopped(match (fault, self.trouble) {
+                (Fault::Sight, Some(sight)) => Stop::Sight(sight),
+                (Fault::Camera, _) => Stop::Camera,
+                (Fault::Journal, _) => Stop::Journal,
+                _ => Stop::Role,
+            }),
+        }
+    }
+}
+
+/// Whether it is time to look again, and if so, that it was looked now.
+fn is_due(looked: &mut Option<Instant>, period: Duration) -> bool {
+    let is_due = looked.is_none_or(|looked| looked.elapsed() >= period);
+    if is_due {
+        *looked = Some(Instant::now());
+    }
+    is_due
+}
+
+fn settings(config: &Config) -> Result<Settings, RoleError> {
+    let shipped = Tables::shipped();
+    let tables = match &config.board.words {
+        Some(folder) => shipped.with_folder(folder)?,
+        None => shipped,
+    };
+    tables.must_have(&config.board.language)?;
+    Ok(Settings {
+        station: config.station.name.clone(),
+        bind: config.board.bind,
+        port: config.board.port,
+        hosts: config.board.hosts.clone(),
+        tables,
+        language: config.board.language.clone(),
+        roles: config.roles(),
+        meaning: |number| code::of_number(number).map(|code| code.meaning),
+        local_time,
+    })
+}
+
+/// The names in the job in force; those of the parts alone where there is none.
+fn names(config: &Config, judging: &Judging) -> Job {
+    match jobs::in_force(config, judging) {
+        Ok(Some(file)) => names_in(&file),
+        // The role judge says what is wrong with the file of its job.
+        _ => Job {
+            parts: config.objects.iter().map(|object| (object.id, object.name.clone())).collect(),
+            ..Job::default()
+        },
+    }
+}
+
+fn names_in(file: &JobFile) -> Job {
+    let step = |number| Step {
+        name: file.step_name(number),
+        contexts: file.step_contexts(number).into_iter().map(|context| context.0).collect(),
+    };
+    Job {
+        hash: file.model_hash(),
+        name: file.name.clone(),
+        parts: file.objects.iter().map(|object| (object.shape.id, object.name.clone())).collect(),
+        steps: (0..file.steps.len()).map(step).collect(),
+    }
+}
+
+/// The clips that there are. Where the folder cannot be read, the role `record` says so.
+fn clips(config: &Config) -> Clips {
+    let recordings = store::recordings(&config.recordings()).unwrap_or_default();
+    let by_verdict = store::by_verdict(&recordings);
+    Clips::new(by_verdict.into_iter().map(|(verdict, recording)| {
+        (verdict, recording.path.file_name().unwrap_or_default().to_string_lossy().into_owned())
+    }))
+}
+
+/// When this day began on the clocks here.
+fn midnight_utc_ns() -> u64 {
+    let now = Zoned::now();
+    nanoseconds(now.start_of_day().unwrap_or(now).timestamp())
+}
+
+fn nanoseconds(time: Timestamp) -> u64 {
+    u64::try_from(time.as_nanosecond()).unwrap_or_default()
+}
+
+/// Date and time to the second, in the time zone of this machine.
+fn local_time(utc_ns: u64) -> String {
+    let time = Timestamp::from_nanosecond(utc_ns.into()).unwrap_or_default();
+    time.to_zoned(TimeZone::system()).strftime("%Y-%m-%d %H:%M:%S").to_string()
+}

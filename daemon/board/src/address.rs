@@ -1,0 +1,125 @@
+//! The address of a page: which page, in which language, which events. Every link keeps what it does not change.
+
+/// A page for people.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Page {
+    #[default]
+    Worker,
+    Technician,
+}
+
+impl Page {
+    const ALL: [Self; 2] = [Self::Worker, Self::Technician];
+
+    /// Where it is.
+    pub(crate) const fn path(self) -> &'static str {
+        match self {
+            Self::Worker => "/",
+            Self::Technician => "/technician",
+        }
+    }
+
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Worker => "worker",
+            Self::Technician => "technician",
+        }
+    }
+
+    /// The page at this path.
+    pub(crate) fn at(path: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|page| page.path() == path)
+    }
+}
+
+/// What the query of an address says. Empty is not said.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Address {
+    pub(crate) page: Page,
+    /// The code of the language.
+    pub(crate) lang: String,
+    /// The key of the fault to which the events are limited.
+    pub(crate) fault: String,
+    /// The event that the list begins with; without it the newest.
+    pub(crate) at: String,
+}
+
+/// What values are made of; any other value is ignored.
+fn is_plain(value: &str) -> bool {
+    value.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"._-".contains(&byte))
+}
+
+impl Address {
+    pub(crate) fn new(page: Page, query: &str) -> Self {
+        let mut address = Self { page, ..Self::default() };
+        for (key, value) in query.split('&').filter_map(|pair| pair.split_once('=')) {
+            let place = match key {
+                "lang" => &mut address.lang,
+                "fault" => &mut address.fault,
+                "at" => &mut address.at,
+                _ => continue,
+            };
+            if is_plain(value) {
+                value.clone_into(place);
+            }
+        }
+        address
+    }
+
+    /// The address in which a stream of events says which page it belongs to.
+    pub(crate) fn of_events(query: &str) -> Self {
+        let pages = Page::ALL.into_iter();
+        let page = pages
+            .rev()
+            .find(|page| query.split('&').any(|pair| pair.strip_prefix("view=") == Some(page.name())));
+        Self::new(page.unwrap_or_default(), query)
+    }
+
+    /// Where the events of this page are.
+    pub(crate) fn events(&self) -> String {
+        format!("/events?view={}{}", self.page.name(), self.query('&'))
+    }
+
+    /// A link to it.
+    pub(crate) fn link(&self) -> String {
+        format!("{}{}", self.page.path(), self.query('?'))
+    }
+
+    fn query(&self, first: char) -> String {
+        let pairs = [("lang", &self.lang), ("fault", &self.fault), ("at", &self.at)];
+        let said = pairs.into_iter().filter(|(_, value)| !value.is_empty());
+        let separators = std::iter::once(first).chain(std::iter::repeat('&'));
+        separators.zip(said).map(|(separator, (key, value))| format!("{separator}{key}={value}")).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_address_comes_back_from_its_links() {
+        let address = Address::new(Page::Technician, "lang=de&fault=Duration.below&at=17-4");
+        assert_eq!(address.link(), "/technician?lang=de&fault=Duration.below&at=17-4");
+        let events = address.events();
+        assert_eq!(Address::of_events(events.split_once('?').map_or("", |(_, query)| query)), address);
+        assert_eq!(Address::of_events("view=nothing"), Address::default());
+        assert_eq!(Address::default().link(), "/");
+    }
+
+    #[test]
+    fn a_value_with_other_characters_is_ignored() {
+        for query in [
+            "lang=<script>",
+            "fault=%3Cscript%3E",
+            "at=a%00b",
+            "lang=../../etc",
+            "lang",
+            "=",
+            "&&=&",
+            "lang=d\u{e9}",
+        ] {
+            assert_eq!(Address::new(Page::Worker, query), Address::default(), "{query}");
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! What the board knows, and what it answers.
+
+use std::collections::VecDeque;
+use std::net::IpAddr;
+
+use andon_http::{Request, Response};
+use shm_schemas::{Health, JudgePhase, Judging, MessageId, RoleId, Verdict};
+
+use crate::address::{Address, Page};
+use crate::clips::Clips;
+use crate::guard::Guard;
+use crate::job::Job;
+use crate::line::Line;
+use crate::page;
+use crate::piece::Piece;
+use crate::pieces::Pieces;
+use crate::watchers::Watchers;
+use crate::words::{Table, Tables};
+
+/// Events that are kept to be looked at: a busy shift has fewer faults. `andond history` has all.
+const EVENTS: usize = 1000;
+
+/// A browser without scripts asks twice a minute.
+const LOOKED_NS: u64 = 60_000_000_000;
+
+const HTML: &str = "text/html; charset=utf-8";
+const STYLE: &str = include_str!("page/board.css");
+const SCRIPT: &str = include_str!("page/board.js");
+
+/// Nothing comes from anywhere else, nothing of it goes to another site, and no browser keeps it.
+const SAFETY: &[(&str, &str)] = &[
+    (
+        "content-security-policy",
+        "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'self'; \
+         frame-ancestors 'none'",
+    ),
+    ("x-content-type-options", "nosniff"),
+    ("referrer-policy", "no-referrer"),
+    ("cross-origin-resource-policy", "same-origin"),
+    ("cross-origin-opener-policy", "same-origin"),
+    ("cache-control", "no-store"),
+];
+
+/// What the board has to know before anything comes.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The name of the station.
+    pub station: String,
+    /// The address that the server listens on.
+    pub bind: IpAddr,
+    /// Its port.
+    pub port: u16,
+    /// Further names by which browsers may call it.
+    pub hosts: Vec<String>,
+    /// All languages.
+    pub tables: Tables,
+    /// The code of the language of a page whose address names none.
+    pub language: String,
+    /// The roles of the station, in the order of the data path.
+    pub roles: Vec<RoleId>,
+    /// The meaning of a code of the log.
+    pub meaning: fn(u32) -> Option<&'static str>,
+    /// A time as people there read it, from nanoseconds since 1970 UTC.
+    pub local_time: fn(u64) -> String,
+}
+
+/// The board.
+#[derive(Debug)]
+pub struct Board {
+    pub(crate) settings: Settings,
+    guard: Guard,
+    pub(crate) line: Line,
+    /// Why the line does not watch, for the technician.
+    pub(crate) cause: String,
+    pub(crate) job: Job,
+    pub(crate) judging: Option<Judging>,
+    pub(crate) piece: Piece,
+    pub(crate) pieces: Pieces,
+    /// What is to be looked at, and what became of each piece; newest first.
+    pub(crate) events: VecDeque<Verdict>,
+    /// The newest health of each role.
+    pub(crate) healths: Vec<Health>,
+    pub(crate) clips: Clips,
+    watchers: Watchers,
+    /// Changes with whatever a page may show.
+    version: u64,
+    /// When somebody asked for the list of events.
+    asked_ns: Option<u64>,
+    /// CLOCK_MONOTONIC.
+    pub(crate) now_ns: u64,
+}
+
+impl Board {
+    /// A board that knows nothing yet.
+    #[must_use]
+    pub fn new(settings: Settings) -> Self {
+        Self {
+            guard: Guard::new(settings.bind, settings.port, &settings.hosts),
+            settings,
+            line: Line::default(),
+            cause: String::new(),
+            job: Job::default(),
+            judging: None,
+            piece: Piece::default(),
+            pieces: Pieces::default(),
+            events: VecDeque::with_capacity(EVENTS),
+            healths: Vec::new(),
+            clips: Clips::default(),
+            watchers: Watchers::default(),
+            version: 0,
+            asked_ns: None,
+            now_ns: 0,
+        }
+    }
+
+    /// The names of the job in force.
+    pub fn job(&mut self, job: Job) {
+        self.job = job;
+        self.version += 1;
+    }
+
+    /// What the judge says of itself.
+    pub fn judging(&mut self, judging: &Judging) {
+        let was_running = self.is_running();
+        self.judging = Some(*judging);
+        if self.is_running() && !was_running {
+            self.piece.begin();
+        }
+        self.version += 1;
+    }
+
+    /// Whether a job has begun and has not ended.
+    pub(crate) fn is_running(&self) -> bool {
+        self.judging.is_some_and(|judging| judging.phase == JudgePhase::Running.code())
+    }
+
+    /// A verdict that the journal has, from before the board began. They come in their order, and before any of the channel.
+    pub fn past(&mut self, verdict: &Verdict) {
+        self.pieces.count(verdict);
+        self.keep(verdict);
+        self.version += 1;
+    }
+
+    /// A verdict from the channel, which may have come from the journal already.
+    pub fn verdict(&mut self, verdict: &Verdict) {
+        self.piece.take(verdict, self.is_running());
+        let id = verdict.stamp.id();
+        if !self.events.iter().any(|event| event.stamp.id() == id) {
+            self.past(verdict);
+        }
+        self.version += 1;
+    }
+
+    /// Keeps what people look for: right contacts and steps are none of that.
+    fn keep(&mut self, verdict: &Verdict) {
+        if page::is_event(verdict) {
+            self.events.truncate(EVENTS - 1);
+            self.events.push_front(*verdict);
+        }
+    }
+
+    /// What a role says of itself.
+    pub fn health(&mut self, health: &Health) {
+        self.healths.retain(|known| known.role != health.role);
+        self.healths.push(*health);
+        self.version += 1;
+    }
+
+    /// How the line is, and why, in words for a technician.
+    pub fn line(&mut self, line: Line, cause: &str) {
+        if (self.line, self.cause.as_str()) != (line, cause) {
+            (self.line, self.cause) = (line, cause.to_owned());
+            self.version += 1;
+        }
+    }
+
+    /// The day that began at this time, nanoseconds since 1970 UTC, is today.
+    pub fn day(&mut self, began_utc_ns: u64) {
+        self.pieces.day(began_utc_ns);
+    }
+
+    /// Which verdicts have clips.
+    pub fn clips(&mut self, clips: Clips) {
+        self.version += u64::from(self.clips != clips);
+        self.clips = clips;
+    }
+
+    /// Whether somebody looks at the list of events, or did so a moment ago.
+    #[must_use]
+    pub fn is_looked_through(&self) -> bool {
+        let asked = self.asked_ns.is_some_and(|asked_ns| self.now_ns.saturating_sub(asked_ns) < LOOKED_NS);
+        asked || self.watchers.look_at(Page::Technician)
+    }
+
+    /// Sends the browsers what has changed. The time is that of CLOCK_MONOTONIC.
+    pub fn publish(&mut self, now_ns: u64) {
+        let before = page::state(self);
+        self.now_ns = now_ns;
+        self.version += u64::from(page::state(self) != before);
+        let mut watchers = std::mem::take(&mut self.watchers);
+        watchers.tell(self.version, now_ns, |address| page::view(self, address));
+        self.watchers = watchers;
+    }
+
+    /// Answers a browser.
+    pub fn answer(&mut self, request: &Request) -> Response {
+        let response = match request.path.as_str() {
+            _ if !self.guard.knows(request) => {
+                Response::text(421, "the board does not answer to this name\n")
+            }
+            "/board.css" => Response::ok("text/css; charset=utf-8", STYLE),
+            "/board.js" => Response::ok("text/javascript; charset=utf-8", SCRIPT),
+            "/events" => self.watch(Address::of_events(&request.query)),
+            path => match Page::at(path) {
+                Some(page) => self.page(&Address::new(page, &request.query)),
+                None => Response::text(404, "the board is at / and at /technician\n"),
+            },
+        };
+        response.with(SAFETY)
+    }
+
+    fn page(&mut self, address: &Address) -> Response {
+        if address.page == Page::Technician {
+            self.asked_ns = Some(self.now_ns);
+        }
+        Response::ok(HTML, page::whole(self, address))
+    }
+
+    fn watch(&mut self, address: Address) -> Response {
+        if !self.watchers.have_room() {
+            return Response::text(503, "as many browsers watch already as can be served\n");
+        }
+        let (response, feed) = Response::feed("text/event-stream");
+        self.watchers.add(feed, address);
+        response
+    }
+
+    /// The words of a page, and their language.
+    pub(crate) fn words<'b>(&'b self, address: &'b Address) -> (&'b str, &'b Table) {
+        let Settings { tables, language, .. } = &self.settings;
+        let asked = tables.get(&address.lang).map(|table| (address.lang.as_str(), table));
+        // The role has looked whether its own language is there.
+        asked
+            .or_else(|| tables.get(language).map(|table| (language.as_str(), table)))
+            .unwrap_or(("en", tables.english()))
+    }
+
+    pub(crate) fn health_of(&self, role: RoleId) -> Option<&Health> {
+        self.healths.iter().find(|health| health.role == role.code())
+    }
+
+    pub(crate) fn clip_of(&self, verdict: MessageId) -> Option<&str> {
+        self.clips.of(verdict)
+    }
+}

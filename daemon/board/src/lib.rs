@@ -1,0 +1,36 @@
+//! The board: pages that show a station, to the worker from three metres and to the technician from near.
+//!
+//! [`Board`] takes what the channels of the line say, and answers browsers. It knows neither channels nor files nor a clock. The role `board` of `andond`
+//! reads those, and calls it. What it shows is made in one place, on the server. A browser without scripts reads the same page as one with scripts,
+//! which gets what has changed as server-sent events.
+//!
+//! # Why a browser can do no harm
+//!
+//! - Nothing can be changed: only GET and HEAD are served, and there is no other effect than an answer.
+//! - A path is compared with six known ones and never becomes a file name.
+//! - Of a query only letters, digits, dots, dashes and underscores are read ([`address`]).
+//! - What stands on a page is either a constant of this crate or escaped: [`html::Html`] takes nothing else.
+//! - A page of another site cannot read it by a trick of its DNS ([`guard`]), cannot frame it, and runs no script on it.
+#![forbid(unsafe_code)]
+
+mod address;
+mod board;
+mod clips;
+mod guard;
+mod html;
+mod job;
+mod line;
+mod page;
+mod piece;
+mod pieces;
+#[cfg(test)]
+mod sample;
+mod told;
+mod watchers;
+mod words;
+
+pub use board::{Board, Settings};
+pub use clips::Clips;
+pub use job::{Job, Step};
+pub use line::{Line, Stop};
+pub use words::{TableError, Tables};

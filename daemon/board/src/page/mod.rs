@@ -1,0 +1,80 @@
+//! The pages. Each is drawn whole on the server; a browser with scripts replaces what is new in it.
+
+mod shape;
+mod state;
+mod technician;
+mod worker;
+
+use shm_schemas::{Verdict, VerdictLevel};
+
+use crate::address::{Address, Page};
+use crate::board::Board;
+use crate::html::Html;
+use crate::told::fault_key;
+use crate::words::Table;
+
+pub(crate) use state::state;
+
+/// Whether people look for it afterwards.
+pub(crate) fn is_event(verdict: &Verdict) -> bool {
+    fault_key(verdict).is_some() || verdict.level() == Ok(VerdictLevel::Job)
+}
+
+/// What changes on a page: elements with ids.
+pub(crate) fn view(board: &Board, address: &Address) -> String {
+    let mut html = Html::default();
+    let (_, words) = board.words(address);
+    match address.page {
+        Page::Worker => worker::draw(&mut html, board, words),
+        Page::Technician => technician::draw(&mut html, board, words, address),
+    }
+    html.finish()
+}
+
+/// A page as a browser gets it.
+pub(crate) fn whole(board: &Board, address: &Address) -> String {
+    let (lang, words) = board.words(address);
+    let mut html = Html::default();
+    html.raw("<!DOCTYPE html><html lang=\"").text(lang).raw("\"><head><meta charset=\"utf-8\">");
+    html.raw("<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>");
+    html.text(words.say("label.board")).raw(" ").text(&board.settings.station).raw("</title>");
+    html.raw("<link rel=\"stylesheet\" href=\"/board.css\"><script src=\"/board.js\" defer></script>");
+    // A browser without scripts loads the page again: what is read from far soon, what is read from near seldom.
+    html.raw("<noscript><meta http-equiv=\"refresh\" content=\"");
+    html.raw(if address.page == Page::Worker { "3" } else { "30" });
+    html.raw("\"></noscript></head><body class=\"");
+    html.text(address.page.name()).raw("\" data-events=\"").text(&address.events()).raw("\">");
+    lost(&mut html, words);
+    match address.page {
+        Page::Worker => worker::draw(&mut html, board, words),
+        Page::Technician => technician::draw_whole(&mut html, board, words, address),
+    }
+    links(&mut html, board, words, address);
+    html.raw("</body></html>\n");
+    html.finish()
+}
+
+/// What a page shows by itself once it does not hear the board.
+fn lost(html: &mut Html, words: &Table) {
+    html.raw("<div id=\"lost\" role=\"alert\" hidden><p class=\"word long\">").text(words.say("label.lost"));
+    html.element("</p><p>", words.say("label.lost_help"), "</p></div>");
+}
+
+/// The way to the other page and to the other languages.
+fn links(html: &mut Html, board: &Board, words: &Table, address: &Address) {
+    html.raw("<footer><nav aria-label=\"").text(words.say("label.pages")).raw("\">");
+    for (page, key) in [(Page::Worker, "label.worker"), (Page::Technician, "label.technician")] {
+        link(html, &Address { page, ..address.clone() }, words.say(key), page == address.page);
+    }
+    html.raw("</nav><nav aria-label=\"").text(words.say("label.languages")).raw("\">");
+    let (own, _) = board.words(address);
+    for (code, name) in board.settings.tables.languages() {
+        link(html, &Address { lang: code.to_owned(), ..address.clone() }, name, code == own);
+    }
+    html.raw("</nav></footer>");
+}
+
+fn link(html: &mut Html, to: &Address, name: &str, is_here: bool) {
+    html.raw("<a href=\"").text(&to.link()).raw("\"");
+    html.raw(if is_here { " aria-current=\"page\">" } else { ">" }).text(name).raw("</a>");
+}

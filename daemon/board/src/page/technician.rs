@@ -1,0 +1,241 @@
+//! What the technician looks up: how the line and its roles are, and what has happened, newest first.
+
+use std::collections::BTreeMap;
+
+use shm_schemas::{Health, RoleId, RoleState, Verdict, VerdictLevel};
+
+use super::state::{State, state};
+use crate::address::Address;
+use crate::board::Board;
+use crate::html::Html;
+use crate::told::{Teller, fault_key, outcome_key};
+use crate::words::Table;
+
+/// What is told of each event.
+const COLUMNS: [&str; 9] =
+    ["time", "outcome", "level", "step_column", "fault", "measured", "shown", "part_id", "clip"];
+
+/// Events on one page.
+const SHOWN: usize = 100;
+
+/// A role that has no deadline of its own is silent after this time: it gives two signs of life per second.
+const SILENT_NS: u64 = 2_000_000_000;
+
+/// What changes.
+pub(super) fn draw(html: &mut Html, board: &Board, words: &Table, address: &Address) {
+    line(html, board, words);
+    roles(html, board, words);
+    events(html, board, words, address);
+}
+
+/// The whole page. The choice of a fault stands apart from the list, so that nobody loses it while the list changes.
+pub(super) fn draw_whole(html: &mut Html, board: &Board, words: &Table, address: &Address) {
+    html.raw("<main>");
+    line(html, board, words);
+    roles(html, board, words);
+    filter(html, board, words, address);
+    events(html, board, words, address);
+    html.raw("</main>");
+}
+
+/// The state of the line in a sentence.
+fn line(html: &mut Html, board: &Board, words: &Table) {
+    let state = state(board);
+    let (key, style) = state.keys();
+    html.raw("<section id=\"line\"><h1>")
+        .text(words.say("label.station"))
+        .raw(" ")
+        .text(&board.settings.station);
+    html.raw("</h1><p class=\"now ").text(style).raw("\"><b>").text(words.say(key)).raw("</b> ");
+    if let State::Stopped(stop) = state {
+        html.text(words.say(&stop.key())).raw(" ");
+    }
+    if !board.cause.is_empty() {
+        html.element("<span lang=\"en\">", &board.cause, "</span>");
+    }
+    html.raw("</p>");
+    if !board.job.name.is_empty() {
+        html.raw("<p>").text(words.say("label.job")).raw(" ").text(&board.job.name);
+        html.element(" <code>", &format!("{:016x}", board.job.hash), "</code></p>");
+    }
+    html.raw("</section>");
+}
+
+fn roles(html: &mut Html, board: &Board, words: &Table) {
+    html.element(
+        "<section id=\"roles\"><h2>",
+        words.say("label.roles"),
+        "</h2><div class=\"wide\"><table><thead><tr>",
+    );
+    let columns = ["role", "state", "rate", "losses", "refused", "typical", "slow", "message"];
+    heads(html, words, &columns);
+    html.raw("</tr></thead><tbody>");
+    for role in &board.settings.roles {
+        self::role(html, board, words, *role);
+    }
+    html.raw("</tbody></table></div></section>");
+}
+
+fn heads(html: &mut Html, words: &Table, columns: &[&str]) {
+    for column in columns {
+        html.element("<th scope=\"col\">", words.say(&format!("label.{column}")), "</th>");
+    }
+}
+
+fn role(html: &mut Html, board: &Board, words: &Table, role: RoleId) {
+    let health = board.health_of(role).filter(|health| !is_silent(health, board.now_ns));
+    let state = health.and_then(|health| RoleState::try_from(health.state).ok());
+    let works = matches!(state, Some(RoleState::Running | RoleState::Finished));
+    html.raw(if works { "<tr><th scope=\"row\">" } else { "<tr class=\"ill\"><th scope=\"row\">" })
+        .text(role.name());
+    let word = format!("role.{}", state.map_or("Silent", RoleState::name));
+    html.raw("</th><td>").raw(if works { "" } else { "\u{25b2} " }).text(words.say(&word)).raw("</td>");
+    let cell = |of: fn(&Health) -> String| health.map_or("\u{2013}".to_owned(), of);
+    let milliseconds = [
+        cell(|health| format!("{:.1}", f64::from(health.p50_us) / 1e3)),
+        cell(|health| format!("{:.1}", f64::from(health.p99_us) / 1e3)),
+    ];
+    let counts = [
+        cell(|health| format!("{:.1}", health.rate_hz)),
+        cell(|health| health.losses.to_string()),
+        cell(|health| health.refused.to_string()),
+    ];
+    for number in counts.iter().chain(&milliseconds) {
+        html.element("<td class=\"number\">", number, "</td>");
+    }
+    message(html, board, health.map_or(0, |health| health.last_error));
+    html.raw("</tr>");
+}
+
+fn is_silent(health: &Health, now_ns: u64) -> bool {
+    let deadline_ns = SILENT_NS.max(u64::from(health.deadline_ms) * 1_000_000);
+    now_ns.saturating_sub(health.stamp.sent_ns) > deadline_ns
+}
+
+/// A code of the log and its meaning, which is in the language of the log.
+fn message(html: &mut Html, board: &Board, number: u32) {
+    html.raw("<td lang=\"en\">");
+    if number > 0 {
+        let meaning = (board.settings.meaning)(number).unwrap_or_default();
+        html.text(&format!("AND-{number:03} {meaning}"));
+    }
+    html.raw("</td>");
+}
+
+/// The faults that the events have, to choose from.
+fn filter(html: &mut Html, board: &Board, words: &Table, address: &Address) {
+    let mut counts = BTreeMap::<String, usize>::new();
+    for key in board
+        .events
+        .iter()
+        .filter_map(fault_key)
+        .chain(Some(address.fault.clone()).filter(|key| words.has(key)))
+    {
+        *counts.entry(key).or_default() += 1;
+    }
+    html.element(
+        "<form id=\"filter\" action=\"/technician\"><label for=\"fault\">",
+        words.say("label.fault"),
+        "</label>",
+    );
+    html.raw("<select id=\"fault\" name=\"fault\"><option value=\"\">")
+        .text(words.say("label.all_faults"))
+        .raw("</option>");
+    for key in counts.keys() {
+        html.raw("<option value=\"").text(key).raw(if *key == address.fault {
+            "\" selected>"
+        } else {
+            "\">"
+        });
+        html.text(words.say(key)).raw("</option>");
+    }
+    html.raw("</select>");
+    if !address.lang.is_empty() {
+        html.raw("<input type=\"hidden\" name=\"lang\" value=\"").text(&address.lang).raw("\">");
+    }
+    html.element("<button>", words.say("label.show"), "</button></form>");
+}
+
+fn name_of(verdict: &Verdict) -> String {
+    format!("{}-{}", verdict.stamp.epoch, verdict.stamp.seq)
+}
+
+fn events(html: &mut Html, board: &Board, words: &Table, address: &Address) {
+    let is_wanted =
+        |event: &&Verdict| address.fault.is_empty() || fault_key(event).as_deref() == Some(&address.fault);
+    let is_before = |event: &&Verdict| !address.at.is_empty() && name_of(event) != address.at;
+    let mut wanted = board.events.iter().skip_while(is_before).filter(is_wanted).peekable();
+    html.element("<section id=\"events\"><h2>", words.say("label.events"), "</h2>");
+    if wanted.peek().is_none() {
+        html.element("<p>", words.say("label.none"), "</p>");
+    } else {
+        html.raw("<div class=\"wide\"><table><thead><tr>");
+        heads(html, words, &COLUMNS);
+        html.raw("</tr></thead><tbody>");
+        for verdict in wanted.by_ref().take(SHOWN) {
+            event(html, board, words, address, verdict);
+        }
+        html.raw("</tbody></table></div>");
+    }
+    let rest = wanted.peek().map(|next| name_of(next));
+    turns(html, words, address, rest);
+    html.raw("</section>");
+}
+
+/// The way to older events, and back to the newest.
+fn turns(html: &mut Html, words: &Table, address: &Address, older: Option<String>) {
+    html.raw("<p class=\"turns\">");
+    let mut link = |at: String, key: &str| {
+        html.raw("<a href=\"")
+            .text(&Address { at, ..address.clone() }.link())
+            .raw("\">")
+            .text(words.say(key))
+            .raw("</a> ");
+    };
+    if !address.at.is_empty() {
+        link(String::new(), "label.newest");
+    }
+    if let Some(at) = older {
+        link(at, "label.older");
+    }
+    html.raw("</p>");
+}
+
+fn event(html: &mut Html, board: &Board, words: &Table, address: &Address, verdict: &Verdict) {
+    let teller = Teller { words, job: &board.job };
+    let name = name_of(verdict);
+    html.raw("<tr id=\"e").text(&name).raw("\"><td><a href=\"");
+    html.text(&Address { at: name.clone(), ..address.clone() }.link()).raw("#e").text(&name).raw("\">");
+    html.text(&(board.settings.local_time)(verdict.decided_utc_ns)).raw("</a></td>");
+    let outcome = outcome_key(verdict);
+    html.raw("<td class=\"")
+        .text(outcome.trim_start_matches("outcome."))
+        .raw("\">")
+        .raw(sign(&outcome))
+        .text(words.say(&outcome));
+    let level = verdict.level().map_or("", VerdictLevel::name);
+    html.element("</td><td>", words.say(&format!("level.{level}")), "</td>");
+    let (shown, measured) = teller.measured(verdict).or_else(|| teller.expected_and_got(verdict)).unzip();
+    let measured = measured.or_else(|| teller.missing(verdict));
+    let cells = [
+        teller.step_of(verdict),
+        Some(teller.fault(verdict)),
+        measured,
+        shown,
+        Some(verdict.part.text().to_owned()),
+    ];
+    for cell in cells {
+        html.element("<td>", &cell.unwrap_or_default(), "</td>");
+    }
+    html.element("<td>", board.clip_of(verdict.stamp.id()).unwrap_or("\u{2013}"), "</td></tr>");
+}
+
+/// The outcome as a sign, beside its word and its colour.
+fn sign(outcome: &str) -> &'static str {
+    match outcome {
+        "outcome.ok" => "\u{2713} ",
+        "outcome.anomaly" => "\u{2715} ",
+        "outcome.note" => "\u{25b3} ",
+        _ => "\u{25c7} ",
+    }
+}

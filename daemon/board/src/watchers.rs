@@ -1,0 +1,81 @@
+//! The browsers that watch, each its page.
+
+use andon_http::Feed;
+
+use crate::address::{Address, Page};
+
+/// Browsers that watch at once; the server has as many places again for requests.
+const MOST: usize = 32;
+
+/// How often a browser hears that the board is there, if nothing else is to be said. A page calls its server lost after three of these.
+const BEAT_NS: u64 = 250_000_000;
+
+/// How often a list for people to read may change under their eyes. What the worker sees changes at once.
+const CALM_NS: u64 = 1_000_000_000;
+
+/// What says that the board is there.
+const ALIVE: &str = "event: alive\ndata: 1\n\n";
+
+/// How soon a browser connects again by itself, in milliseconds.
+const RETRY: &str = "retry: 500\n\n";
+
+/// All of them.
+#[derive(Debug, Default)]
+pub(crate) struct Watchers(Vec<Watcher>);
+
+#[derive(Debug)]
+struct Watcher {
+    feed: Feed,
+    address: Address,
+    /// What its page shows.
+    shown: String,
+    /// The state of the board of which that is.
+    version: Option<u64>,
+    told_ns: u64,
+    drawn_ns: u64,
+}
+
+impl Watchers {
+    /// Whether one more may come.
+    pub(crate) fn have_room(&self) -> bool {
+        self.0.len() < MOST
+    }
+
+    /// Whether anybody looks at this page.
+    pub(crate) fn look_at(&self, page: Page) -> bool {
+        self.0.iter().any(|watcher| watcher.address.page == page)
+    }
+
+    pub(crate) fn add(&mut self, feed: Feed, address: Address) {
+        if feed.send(RETRY) {
+            let (shown, version) = (String::new(), None);
+            self.0.push(Watcher { feed, address, shown, version, told_ns: 0, drawn_ns: 0 });
+        }
+    }
+
+    /// Sends each what has changed on its page since it was told last. `draw` draws a page.
+    pub(crate) fn tell(&mut self, version: u64, now_ns: u64, draw: impl Fn(&Address) -> String) {
+        self.0.retain_mut(|watcher| watcher.tell(version, now_ns, &draw));
+    }
+}
+
+impl Watcher {
+    /// False when the browser has gone, or does not read.
+    fn tell(&mut self, version: u64, now_ns: u64, draw: impl Fn(&Address) -> String) -> bool {
+        let is_calm = self.address.page == Page::Worker || now_ns.saturating_sub(self.drawn_ns) >= CALM_NS;
+        if is_calm && self.version != Some(version) {
+            (self.version, self.drawn_ns) = (Some(version), now_ns);
+            let drawn = draw(&self.address);
+            if drawn != self.shown {
+                let is_sent = self.feed.send(format!("event: show\ndata: {drawn}\n\n"));
+                (self.shown, self.told_ns) = (drawn, now_ns);
+                return is_sent;
+            }
+        }
+        if now_ns.saturating_sub(self.told_ns) < BEAT_NS {
+            return true;
+        }
+        self.told_ns = now_ns;
+        self.feed.send(ALIVE)
+    }
+}

@@ -1,0 +1,318 @@
+//! Hostile requests, and browsers that watch beside them.
+
+#![allow(clippy::unwrap_used)]
+
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::{Ipv4Addr, TcpStream};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use andon_board::{Board, Job, Line, Settings, Step, Tables};
+use andon_http::Server;
+use shm_schemas::{
+    JudgePhase, Judging, PartId, RoleId, Verdict, VerdictLevel, VerdictOutcome, VerdictReason,
+};
+
+/// Only a failing test waits for so long.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// What an engineer may have typed, or somebody who means harm.
+const MARKUP: &str = "\"><script>alert(1)</script><img src=x onerror=alert(1)>";
+
+fn settings(port: u16) -> Settings {
+    Settings {
+        station: MARKUP.to_owned(),
+        bind: Ipv4Addr::LOCALHOST.into(),
+        port,
+        hosts: Vec::new(),
+        tables: Tables::shipped(),
+        language: "en".to_owned(),
+        roles: vec![RoleId::Judge],
+        meaning: |_| None,
+        local_time: |_| MARKUP.to_owned(),
+    }
+}
+
+/// A job, a part and a fault whose names are markup.
+fn fill(board: &mut Board) {
+    let step = |_| Step { name: MARKUP.to_owned(), contexts: vec![[1, 5, 0, 0]] };
+    let parts = [(5, MARKUP.to_owned()), (6, MARKUP.to_owned())].into();
+    board.job(Job { hash: 7, name: MARKUP.to_owned(), parts, steps: (0..2).map(step).collect() });
+    board.line(Line::Ready, MARKUP);
+    let part = PartId::new(b"\"><script>").unwrap();
+    board.judging(&Judging { phase: JudgePhase::Running.code(), is_enabled: 1, part, ..Judging::default() });
+    board.verdict(&fault(part));
+}
+
+fn fault(part: PartId) -> Verdict {
+    Verdict {
+        level: VerdictLevel::Iu.code(),
+        outcome: VerdictOutcome::Anomaly.code(),
+        reason: VerdictReason::WrongObject.code(),
+        model_hash: 7,
+        nearest: 0,
+        iu: 0,
+        x_c: [1, 6, 0, 0],
+        part,
+        ..Verdict::NONE
+    }
+}
+
+/// Runs a test beside the loop of a board.
+fn served(test: impl FnOnce(u16, &Mutex<Board>)) {
+    let server = Server::bind((Ipv4Addr::LOCALHOST, 0).into()).unwrap();
+    let port = server.address().port();
+    let board = Mutex::new(Board::new(settings(port)));
+    fill(&mut board.lock().unwrap());
+    let (is_over, began) = (AtomicBool::new(false), Instant::now());
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !is_over.load(Ordering::Relaxed) {
+                let mut board = board.lock().unwrap();
+                board.publish(u64::try_from(began.elapsed().as_nanos()).unwrap());
+                server.serve(|request| board.answer(request));
+                drop(board);
+                std::thread::sleep(Duration::from_millis(5));
+            }
+        });
+        let tested = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| test(port, &board)));
+        is_over.store(true, Ordering::Relaxed);
+        tested.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+    });
+}
+
+fn connect(port: u16) -> TcpStream {
+    let stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).unwrap();
+    stream.set_read_timeout(Some(PATIENCE)).unwrap();
+    stream
+}
+
+/// Everything that comes until the server closes.
+fn sent(port: u16, request: &[u8]) -> String {
+    let mut stream = connect(port);
+    // The server may close before it has read everything.
+    let _ = stream.write_all(request);
+    let mut answer = Vec::new();
+    let _ = stream.read_to_end(&mut answer);
+    String::from_utf8_lossy(&answer).into_owned()
+}
+
+fn get(port: u16, target: &str) -> String {
+    sent(port, format!("GET {target} HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n").as_bytes())
+}
+
+/// A browser that watches a page.
+fn watch(port: u16, query: &str) -> BufReader<TcpStream> {
+    let mut stream = connect(port);
+    let request = format!("GET /events?{query} HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n");
+    stream.write_all(request.as_bytes()).unwrap();
+    BufReader::new(stream)
+}
+
+/// Reads until a line has this text.
+fn until(browser: &mut BufReader<TcpStream>, text: &str) {
+    let mut line = String::new();
+    while !line.contains(text) {
+        line.clear();
+        assert!(browser.read_line(&mut line).unwrap() > 0, "the stream ended before {text:?}");
+    }
+}
+
+#[test]
+fn a_browser_that_calls_the_board_by_another_name_reads_nothing() {
+    served(|port, _| {
+        for host in
+            ["evil.example", &format!("evil.example:{port}"), "127.0.0.1", "", &format!("0.0.0.0:{port}")]
+        {
+            for path in ["/", "/technician", "/events", "/board.js"] {
+                let answer = sent(port, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
+                assert!(
+                    answer.starts_with("HTTP/1.1 421 ") && !answer.contains("<html"),
+                    "{host} {path}: {answer}"
+                );
+            }
+        }
+        assert!(sent(port, b"GET / HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 421 "));
+        let twice = format!("GET / HTTP/1.1\r\nHost: localhost:{port}\r\nHost: evil.example\r\n\r\n");
+        assert!(sent(port, twice.as_bytes()).starts_with("HTTP/1.1 421 "));
+        let absolute =
+            format!("GET http://evil.example/ HTTP/1.1\r\nHost: evil.example\r\nX: localhost:{port}\r\n\r\n");
+        assert!(sent(port, absolute.as_bytes()).starts_with("HTTP/1.1 421 "));
+    });
+}
+
+#[test]
+fn no_path_leads_to_a_file() {
+    served(|port, _| {
+        for path in [
+            "/../../etc/passwd",
+            "/..%2f..%2fetc/passwd",
+            "/%2e%2e/%2e%2e/etc/passwd",
+            "/....//etc/passwd",
+            "/board.css/../../../etc/passwd",
+            "/board.css%00.txt",
+            "//etc/passwd",
+            "/etc/passwd",
+            "/\\..\\etc\\passwd",
+            "/technician/",
+            "/favicon.ico",
+            "/.git/config",
+        ] {
+            let answer = get(port, path);
+            assert!(
+                answer.starts_with("HTTP/1.1 404 ") || answer.starts_with("HTTP/1.1 400 "),
+                "{path}: {answer}"
+            );
+            assert!(!answer.contains("root:"), "{path}");
+        }
+    });
+}
+
+#[test]
+fn nothing_but_get_and_head_is_served() {
+    served(|port, _| {
+        for method in ["POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "CONNECT", "PROPFIND"] {
+            let request =
+                format!("{method} / HTTP/1.1\r\nHost: localhost:{port}\r\nContent-Length: 0\r\n\r\n");
+            assert!(sent(port, request.as_bytes()).starts_with("HTTP/1.1 405 "), "{method}");
+        }
+        let head = sent(port, format!("HEAD / HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n").as_bytes());
+        assert!(head.starts_with("HTTP/1.1 200 ") && head.ends_with("\r\n\r\n"), "{head}");
+    });
+}
+
+#[test]
+fn large_headers_and_bodies_are_refused_unread() {
+    served(|port, _| {
+        let header =
+            format!("GET / HTTP/1.1\r\nHost: localhost:{port}\r\nX: {}\r\n\r\n", "x".repeat(1 << 20));
+        assert!(!sent(port, header.as_bytes()).contains(" 200 "));
+        let many = "X: y\r\n".repeat(1000);
+        assert!(
+            !sent(port, format!("GET / HTTP/1.1\r\nHost: localhost:{port}\r\n{many}\r\n").as_bytes())
+                .contains(" 200 ")
+        );
+        assert!(!get(port, &format!("/?lang={}", "x".repeat(1 << 20))).contains(" 200 "));
+        let mut stream = connect(port);
+        let request =
+            format!("POST / HTTP/1.1\r\nHost: localhost:{port}\r\nContent-Length: 100000000000\r\n\r\n");
+        stream.write_all(request.as_bytes()).unwrap();
+        let chunk = vec![7; 1 << 16];
+        let taken = (0..16_384).take_while(|_| stream.write_all(&chunk).is_ok()).count();
+        assert!(taken < 16_384, "a gigabyte was taken");
+        assert!(get(port, "/").starts_with("HTTP/1.1 200 "));
+    });
+}
+
+#[test]
+fn names_that_are_markup_and_queries_that_are_markup_are_text_on_every_page() {
+    served(|port, _| {
+        let queries = [
+            "",
+            "?lang=de",
+            "?fault=fault.WrongObject",
+            "?fault=%22%3E%3Cscript%3E",
+            "?at=\"><script>",
+            "?lang=<script>",
+        ];
+        for path in ["/", "/technician"] {
+            for query in queries {
+                let answer = get(port, &format!("{path}{query}"));
+                let (head, page) = answer.split_once("\r\n\r\n").unwrap();
+                // Hyper refuses some of these by itself.
+                assert!(head.starts_with("HTTP/1.1 200 ") || head.starts_with("HTTP/1.1 400 "), "{answer}");
+                let scripts = page.matches("<script").count();
+                assert!(scripts <= 1 && !page.contains("<img"), "{path}{query}: {page}");
+            }
+        }
+        let page = get(port, "/technician");
+        assert!(page.contains("&quot;&gt;&lt;script&gt;"), "{page}");
+        let mut browser = watch(port, "view=worker");
+        let mut line = String::new();
+        while !line.starts_with("data: <main") {
+            line.clear();
+            browser.read_line(&mut line).unwrap();
+        }
+        assert!(!line.contains("<script") && line.contains("&lt;script&gt;"), "{line}");
+    });
+}
+
+#[test]
+fn every_answer_forbids_whatever_the_pages_do_not_need() {
+    served(|port, _| {
+        for path in ["/", "/technician?lang=fr", "/board.css", "/board.js", "/nothing"] {
+            let answer = get(port, path);
+            for header in [
+                "content-security-policy: default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; ",
+                "frame-ancestors 'none'",
+                "x-content-type-options: nosniff\r\n",
+                "referrer-policy: no-referrer\r\n",
+                "cross-origin-resource-policy: same-origin\r\n",
+                "cache-control: no-store\r\n",
+            ] {
+                assert!(answer.contains(header), "{path}: {header} is not in {answer}");
+            }
+            assert!(!answer.contains("unsafe") && !answer.contains("access-control-allow"), "{answer}");
+            // No exception is needed: nothing is inline, and nothing comes from elsewhere.
+            let page = answer.split_once("\r\n\r\n").unwrap().1;
+            let is_page = page.contains("<html");
+            assert!(
+                !is_page
+                    || ![" style=", "<style", " onclick", "http://", "https://"]
+                        .iter()
+                        .any(|of| page.contains(of)),
+                "{page}"
+            );
+        }
+    });
+}
+
+#[test]
+fn a_page_that_is_watched_shows_a_verdict_beside_a_thousand_connections_and_slow_clients() {
+    served(|port, board| {
+        let mut browser = watch(port, "view=worker&lang=de");
+        until(&mut browser, "FEHLER");
+        let mut slow: Vec<TcpStream> = (0..50).map(|_| connect(port)).collect();
+        for client in &mut slow {
+            let _ = client.write_all(b"GET / HT");
+        }
+        // They watch, and read nothing.
+        let deaf: Vec<_> = (0..10).map(|_| watch(port, "view=technician")).collect();
+        let silent: Vec<TcpStream> = (0..1000).map(|_| connect(port)).collect();
+        board.lock().unwrap().verdict(&Verdict {
+            outcome: VerdictOutcome::Ok.code(),
+            reason: VerdictReason::None.code(),
+            level: VerdictLevel::Job.code(),
+            ..fault(PartId::NONE)
+        });
+        until(&mut browser, "GUT");
+        assert!(get(port, "/").starts_with("HTTP/1.1 200 "));
+        drop((slow, deaf, silent));
+    });
+}
+
+#[test]
+fn more_browsers_than_can_be_served_are_told_so_and_the_first_go_on() {
+    served(|port, _| {
+        let mut browsers: Vec<_> = (0..32).map(|_| watch(port, "view=worker")).collect();
+        for browser in &mut browsers {
+            until(browser, "event: show");
+        }
+        let mut late = String::new();
+        watch(port, "view=worker").read_line(&mut late).unwrap();
+        assert!(late.starts_with("HTTP/1.1 503 "), "{late}");
+        until(&mut browsers[0], "event: alive");
+        browsers.truncate(31);
+        let until_there_is_room = Instant::now() + PATIENCE;
+        loop {
+            let mut answer = String::new();
+            watch(port, "view=worker").read_line(&mut answer).unwrap();
+            if answer.starts_with("HTTP/1.1 200 ") {
+                break;
+            }
+            assert!(Instant::now() < until_there_is_room, "a browser that has left keeps its place");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    });
+}

@@ -1,0 +1,85 @@
+//! The section `[board]`: pages for people.
+
+use std::net::{IpAddr, Ipv4Addr};
+use std::path::PathBuf;
+
+use crate::config::keys::Keys;
+use crate::config::value::{Text, several, within};
+
+/// `[board]`: pages for the worker and for the technician.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Board {
+    /// Whether they are served.
+    pub enable: bool,
+    /// The address that is listened on.
+    pub bind: IpAddr,
+    /// The port that is listened on.
+    pub port: u16,
+    /// Names by which browsers may call it, beside its address.
+    pub hosts: Vec<String>,
+    /// The language of a page whose address names none.
+    pub language: String,
+    /// A folder with tables of words.
+    pub words: Option<PathBuf>,
+}
+
+impl Default for Board {
+    fn default() -> Self {
+        Self {
+            enable: false,
+            bind: IpAddr::V4(Ipv4Addr::LOCALHOST),
+            // Beside that of the metrics.
+            port: 9465,
+            hosts: Vec::new(),
+            language: "en".to_owned(),
+            words: None,
+        }
+    }
+}
+
+impl Board {
+    pub(in crate::config) fn keys(&mut self, k: &mut impl Keys) {
+        k.key(
+            "enable",
+            &mut self.enable,
+            (),
+            "Whether the pages are served: the worker's at http://BIND:PORT/ and the technician's at /technician. They only \
+             show.",
+        );
+        k.key(
+            "bind",
+            &mut self.bind,
+            (),
+            "The address that is listened on. On one that is not this machine's own everybody who can connect can read the \
+             pages, without a password, and unencrypted. The unit's IPAddressAllow= must name the clients (systemctl edit \
+             andon-board@NAME).",
+        );
+        k.key(
+            "port",
+            &mut self.port,
+            within(1, 65_535, ""),
+            "The TCP port. Each station of a PC needs one of its own.",
+        );
+        k.key(
+            "hosts",
+            &mut self.hosts,
+            several(0, 16, Text::Host),
+            "Names under which browsers find this machine, without the port. Any other name is refused, so that no page of \
+             another site can read these. An IP address that is bound, and localhost, need not be named.",
+        );
+        k.key(
+            "language",
+            &mut self.language,
+            Text::Line,
+            "The language of the pages: de, en, es, fr or zh, or one that board.words adds. A page is shown in another one by \
+             ?lang=CODE.",
+        );
+        k.optional(
+            "words",
+            &mut self.words,
+            (),
+            r#""/etc/andon/words""#,
+            "A folder with one file CODE.toml for each language that is added or changed. The guide says what is in it.",
+        );
+    }
+}

@@ -1,0 +1,148 @@
+//! Chromium without a window, driven by its DevTools protocol over a pipe: no port, no further library.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use crate::line::PATIENCE;
+use serde_json::{Value, json};
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// It reads commands from descriptor 3 and answers on 4; a process is given its first two.
+const START: &str = "exec chromium \"$@\" 3<&0 4>&1 </dev/null >/dev/null 2>/dev/null";
+
+/// Tests run as root as well, where Chromium has no sandbox.
+const OPTIONS: [&str; 8] = [
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-dev-shm-usage",
+    "--hide-scrollbars",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--remote-debugging-pipe",
+];
+
+/// A browser. It is killed when this is dropped.
+pub struct Browser {
+    child: Child,
+    commands: ChildStdin,
+    answers: BufReader<ChildStdout>,
+    /// The number of the newest command.
+    number: u64,
+    _profile: TempDir,
+}
+
+/// A page that is open.
+pub struct Tab(String);
+
+impl Browser {
+    /// Starts one with a profile of its own.
+    pub fn start() -> Self {
+        let profile = tempfile::tempdir().unwrap();
+        let mut child = Command::new("sh")
+            .args(["-c", START, "sh"])
+            .args(OPTIONS)
+            .arg(format!("--user-data-dir={}", profile.path().display()))
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let (commands, answers) = (child.stdin.take().unwrap(), child.stdout.take().unwrap());
+        Self { child, commands, answers: BufReader::new(answers), number: 0, _profile: profile }
+    }
+
+    /// Opens a page in a tab of this size.
+    pub fn open(&mut self, address: &str, [width, height]: [u32; 2]) -> Tab {
+        let target = self.ask(None, "Target.createTarget", json!({"url": "about:blank"}));
+        let session = json!({"targetId": target["targetId"], "flatten": true});
+        let session = self.ask(None, "Target.attachToTarget", session);
+        let tab = Tab(session["sessionId"].as_str().unwrap().to_owned());
+        self.ask(Some(&tab), "Page.enable", json!({}));
+        self.resize(&tab, [width, height]);
+        self.go(&tab, address);
+        tab
+    }
+
+    /// Makes the window this large.
+    pub fn resize(&mut self, tab: &Tab, [width, height]: [u32; 2]) {
+        let size = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
+        self.ask(Some(tab), "Emulation.setDeviceMetricsOverride", size);
+    }
+
+    /// Goes to another page and waits until it is there.
+    pub fn go(&mut self, tab: &Tab, address: &str) {
+        self.ask(Some(tab), "Page.navigate", json!({"url": address}));
+        self.until(tab, "document.readyState === 'complete' && location.href !== 'about:blank'");
+    }
+
+    /// Presses a key that writes nothing, as Tab.
+    pub fn press(&mut self, tab: &Tab, key: &str, code: u32) {
+        for kind in ["rawKeyDown", "keyUp"] {
+            let event = json!({"type": kind, "key": key, "code": key, "windowsVirtualKeyCode": code});
+            self.ask(Some(tab), "Input.dispatchKeyEvent", event);
+        }
+    }
+
+    /// The value of a JavaScript expression.
+    pub fn value(&mut self, tab: &Tab, expression: &str) -> Value {
+        let mut answer = self.evaluate(tab, expression);
+        assert!(answer.get("exceptionDetails").is_none(), "{expression}: {answer}");
+        answer["result"]["value"].take()
+    }
+
+    fn evaluate(&mut self, tab: &Tab, expression: &str) -> Value {
+        let asked = json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
+        self.ask(Some(tab), "Runtime.evaluate", asked)
+    }
+
+    /// Waits until a JavaScript expression is true; panics with what the page shows after [`PATIENCE`]. While a page is loaded it may fail.
+    pub fn until(&mut self, tab: &Tab, expression: &str) {
+        let until = Instant::now() + PATIENCE;
+        while self.evaluate(tab, expression)["result"]["value"] != json!(true) {
+            if Instant::now() > until {
+                panic!("waited in vain for {expression}: {}", self.value(tab, "document.body.innerText"));
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// A picture of the page as PNG, in Base64.
+    pub fn picture(&mut self, tab: &Tab) -> String {
+        let picture = self.ask(Some(tab), "Page.captureScreenshot", json!({"format": "png"}));
+        picture["data"].as_str().unwrap().to_owned()
+    }
+
+    /// Sends a command and waits for its answer.
+    fn ask(&mut self, tab: Option<&Tab>, method: &str, parameters: Value) -> Value {
+        self.number += 1;
+        let mut command = json!({"id": self.number, "method": method, "params": parameters});
+        if let Some(Tab(session)) = tab {
+            command["sessionId"] = json!(session);
+        }
+        let mut message = command.to_string().into_bytes();
+        message.push(0);
+        self.commands.write_all(&message).expect("chromium is needed: run `make test-packages`");
+        loop {
+            let mut answer = self.read();
+            if answer["id"] == json!(self.number) {
+                assert!(answer.get("error").is_none(), "{command}: {answer}");
+                return answer["result"].take();
+            }
+        }
+    }
+
+    fn read(&mut self) -> Value {
+        let mut message = Vec::new();
+        self.answers.read_until(0, &mut message).unwrap();
+        assert_eq!(message.pop(), Some(0), "chromium has ended, or is missing: run `make test-packages`");
+        serde_json::from_slice(&message).unwrap()
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}

@@ -1,0 +1,280 @@
+//! The pages of a running line, in a real browser.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use andon_tests::browser::{Browser, Tab};
+use andon_tests::line::{Line, Modbus, Settings, Watcher, andond, ask, status};
+use andon_tests::simulator::Flaw;
+use serde_json::json;
+use std::net::TcpListener;
+use std::process::Command;
+
+const FULL_HD: [u32; 2] = [1920, 1080];
+const TABLET: [u32; 2] = [768, 1024];
+/// What is left of Full HD at 200 %.
+const TWICE: [u32; 2] = [960, 540];
+
+/// Gives a line a board, and returns its port.
+fn with_board(line: &Line) -> u16 {
+    let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    line.reconfigure("[plc]\n", &format!("[board]\nenable = true\nport = {port}\n\n[plc]\n"));
+    port
+}
+
+/// A line whose worker leaves out half of the strokes again and again, and that is ready.
+fn at_work() -> (Line, Watcher, String) {
+    let mut line = Line::new(Settings { flaw: Flaw::J1, ..Settings::live() });
+    let port = with_board(&line);
+    let watcher = line.up();
+    line.start("board");
+    line.wait_for_log("board", "AND-620", "");
+    Modbus::connect_when_up(line.port).wait_for(status::READY);
+    (line, watcher, format!("http://localhost:{port}"))
+}
+
+/// Keeps a picture of a page in this folder, if somebody asks for it, to be looked at.
+fn keep(browser: &mut Browser, tab: &Tab, name: &str) {
+    let Some(folder) = std::env::var_os("ANDON_SCREENSHOTS") else { return };
+    let picture = browser.picture(tab);
+    let path = std::path::Path::new(&folder).join(format!("{name}.b64"));
+    std::fs::write(path, picture).unwrap();
+}
+
+/// Whether the state of the worker's page is one of these words.
+fn says(words: &[&str]) -> String {
+    format!("{}.includes(document.querySelector('#view h1')?.textContent)", json!(words))
+}
+
+const IS_LOST: &str = "!document.getElementById('lost').hidden";
+const IS_HEARD: &str = "document.getElementById('lost').hidden";
+
+/// When the word of the worker's page changed, in milliseconds since 1970.
+const OBSERVE: &str = "
+    window.words = [];
+    new MutationObserver(() => {
+        const word = document.querySelector('#view h1').textContent;
+        if (window.words.at(-1)?.word !== word) {
+            window.words.push({ word, at: performance.timeOrigin + performance.now() });
+        }
+    }).observe(document.body, { subtree: true, childList: true });
+    true";
+
+#[test]
+fn a_fault_on_a_film_a_board_that_is_killed_and_a_dead_line_are_said_and_the_page_comes_back_by_itself() {
+    let mut line = Line::with_film("speed = \"file\"", "", &["-i", "p1_J1_r1.mp4"]);
+    let port = with_board(&line);
+    line.start("steward");
+    let mut watcher = Watcher::join(&line.station);
+    line.start("board");
+    line.wait_for_log("board", "AND-620", "");
+    let mut browser = Browser::start();
+    let tab = browser.open(&format!("http://localhost:{port}/?lang=de"), FULL_HD);
+    browser.until(&tab, &says(&["STARTET"]));
+    assert_eq!(browser.value(&tab, OBSERVE), json!(true));
+    line.start_all_but(&["steward"]);
+    line.start("capture");
+
+    browser.until(&tab, &says(&["FEHLER"]));
+    let told = browser.value(&tab, "document.querySelector('.told').innerText");
+    let told = told.as_str().unwrap().to_owned();
+    for words in ["Schritt 1: ", "zu wenige Hübe", "Erwartet", "Getan"] {
+        assert!(told.contains(words), "{words} is not in {told}");
+    }
+    keep(&mut browser, &tab, "worker-fault");
+    // How long it took is a measurement, and no test asserts it.
+    watcher.until("the fault", |watcher| watcher.verdicts.iter().any(|verdict| verdict.outcome == 2));
+    let decided_ns = watcher.verdicts.iter().find(|verdict| verdict.outcome == 2).unwrap().decided_utc_ns;
+    let shown =
+        browser.value(&tab, "window.words.find(({ word }) => word === 'FEHLER').at").as_f64().unwrap();
+    println!("the fault was shown {:.1} ms after it was decided", shown - decided_ns as f64 / 1e6);
+
+    line.role("board").kill();
+    browser.until(&tab, IS_LOST);
+    assert!(
+        browser
+            .value(&tab, "document.getElementById('lost').innerText")
+            .as_str()
+            .unwrap()
+            .contains("KEINE VERBINDUNG")
+    );
+    keep(&mut browser, &tab, "worker-lost");
+    line.start("board");
+    browser.until(&tab, IS_HEARD);
+    browser.until(&tab, &says(&["LÄUFT", "FEHLER", "BEREIT", "GUT"]));
+    assert_eq!(browser.value(&tab, "window.words.length > 0"), json!(true), "the page was not loaded again");
+
+    line.role("judge").kill();
+    browser.until(&tab, &says(&["KEINE PRÜFUNG"]));
+    keep(&mut browser, &tab, "worker-dead");
+    line.start("judge");
+    browser.until(&tab, &says(&["LÄUFT", "FEHLER", "BEREIT", "GUT"]));
+}
+
+#[test]
+fn events_are_listed_newest_first_and_a_deep_link_a_reload_and_the_back_button_keep_their_place() {
+    let (_line, mut watcher, board) = at_work();
+    watcher.until("two pieces", |watcher| {
+        watcher.verdicts.iter().filter(|verdict| verdict.level == 3).count() > 1
+    });
+    let mut browser = Browser::start();
+    let tab = browser.open(&format!("{board}/technician"), FULL_HD);
+    browser.until(&tab, "document.querySelectorAll('#events tbody tr').length > 2");
+    browser.until(&tab, "document.querySelectorAll('#roles .ill').length === 0");
+    let times = browser.value(
+        &tab,
+        "[...document.querySelectorAll('#events td:first-child')].map((cell) => cell.textContent)",
+    );
+    let times: Vec<String> = serde_json::from_value(times).unwrap();
+    assert!(times.is_sorted_by(|newer, older| newer >= older), "{times:?}");
+    keep(&mut browser, &tab, "technician");
+
+    // The fault is chosen in the form, and the address has it.
+    let choose = "
+        const faults = document.getElementById('fault');
+        faults.value = 'fault.Strokes.below';
+        faults.form.requestSubmit();
+        true";
+    assert_eq!(browser.value(&tab, choose), json!(true));
+    browser.until(
+        &tab,
+        "location.search === '?fault=fault.Strokes.below' && document.readyState === 'complete'",
+    );
+    let only = "
+        const rows = [...document.querySelectorAll('#events tbody tr')].map((row) => row.innerText);
+        rows.length > 0 && rows.every((row) => row.includes('too few strokes') && /strokes\\s/.test(row))";
+    assert_eq!(
+        browser
+            .value(&tab, &format!("(() => {{ {} }})()", only.replace("rows.length", "return rows.length"))),
+        json!(true)
+    );
+    keep(&mut browser, &tab, "technician-filtered");
+
+    // The link of the oldest row leads to it, whatever has happened since, and after a reload.
+    let link = "[...document.querySelectorAll('#events td a')].at(-1).href";
+    let link = browser.value(&tab, link).as_str().unwrap().to_owned();
+    assert!(link.contains("fault=fault.Strokes.below") && link.contains("at="), "{link}");
+    let row = link.split_once('#').unwrap().1.to_owned();
+    let first = format!("document.querySelector('#events tbody tr').id === {}", json!(row));
+    browser.go(&tab, &link);
+    browser.until(&tab, &first);
+    assert_eq!(browser.value(&tab, "document.querySelector('tr:target') !== null"), json!(true));
+    browser.value(&tab, "location.reload()");
+    browser.until(&tab, &format!("document.readyState === 'complete' && {first}"));
+    browser.value(&tab, "history.back()");
+    browser.until(
+        &tab,
+        "location.search === '?fault=fault.Strokes.below' && document.readyState === 'complete'",
+    );
+
+    // Another language keeps the place as well.
+    browser.go(&tab, &link);
+    browser.value(&tab, "document.querySelector('footer a[href*=\"lang=fr\"]').click()");
+    browser.until(&tab, &format!("document.documentElement.lang === 'fr' && {first}"));
+}
+
+/// The smallest contrast of visible texts with what lies behind them, and where that is, by the formula of WCAG 2.
+const CONTRAST: &str = r#"
+(() => {
+    const channels = (color) => color.match(/[\d.]+/g).map(Number);
+    const part = (value) => (value /= 255) <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
+    const luminance = ([r, g, b]) => 0.2126 * part(r) + 0.7152 * part(g) + 0.0722 * part(b);
+    const behind = (element) => {
+        for (; element; element = element.parentElement) {
+            const color = channels(getComputedStyle(element).backgroundColor);
+            if (color.length < 4 || color[3] > 0) return color;
+        }
+        return [255, 255, 255];
+    };
+    let least = { contrast: 21, text: "" };
+    const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    for (let text = texts.nextNode(); text; text = texts.nextNode()) {
+        const element = text.parentElement;
+        if (!text.data.trim() || !element.checkVisibility()) continue;
+        const pair = [channels(getComputedStyle(element).color), behind(element)].map(luminance).sort();
+        const contrast = (pair[1] + 0.05) / (pair[0] + 0.05);
+        if (contrast < least.contrast) least = { contrast, text: text.data };
+    }
+    return least;
+})()"#;
+
+fn assert_contrast(browser: &mut Browser, tab: &Tab, what: &str) {
+    let least = browser.value(tab, CONTRAST);
+    assert!(least["contrast"].as_f64().unwrap() >= 4.5, "{what}: {least}");
+}
+
+#[test]
+fn pages_are_readable_in_every_state_size_and_language_with_the_keyboard_and_without_scripts() {
+    let (_line, mut watcher, board) = at_work();
+    watcher.until("a fault", |watcher| watcher.verdicts.iter().any(|verdict| verdict.outcome == 2));
+    let mut browser = Browser::start();
+    let tab = browser.open(&format!("{board}/"), FULL_HD);
+    browser.until(&tab, &says(&["FAULT"]));
+    for style in ["quiet", "fault", "check", "unjudged", "good", "stopped"] {
+        browser.value(&tab, &format!("document.getElementById('view').className = '{style}'"));
+        assert_contrast(&mut browser, &tab, style);
+    }
+    for lang in ["de", "en", "es", "fr", "zh"] {
+        browser.go(&tab, &format!("{board}/?lang={lang}"));
+        browser
+            .until(&tab, "['fault', 'quiet', 'stopped'].includes(document.getElementById('view').className)");
+        for (size, name) in [(FULL_HD, "1080p"), (TABLET, "tablet"), (TWICE, "twice")] {
+            browser.resize(&tab, size);
+            let wide = "document.documentElement.scrollWidth <= innerWidth";
+            assert_eq!(browser.value(&tab, wide), json!(true), "{lang} {name}");
+            keep(&mut browser, &tab, &format!("worker-{lang}-{name}"));
+        }
+        browser.resize(&tab, FULL_HD);
+    }
+    // No text is left without a word in any language.
+    let raw = "/(label|state|fault|unit|order|context)\\.[A-Za-z]/.test(document.body.innerText)";
+    assert_eq!(browser.value(&tab, raw), json!(false));
+
+    for page in ["/", "/technician"] {
+        browser.go(&tab, &format!("{board}{page}"));
+        assert_contrast(&mut browser, &tab, page);
+        let mut stops = std::collections::BTreeSet::new();
+        for _ in 0..12 {
+            browser.press(&tab, "Tab", 9);
+            let focused = "document.activeElement.outerHTML.slice(0, 60)";
+            stops.insert(browser.value(&tab, focused).to_string());
+        }
+        assert!(stops.len() >= 7, "{page}: {stops:?}");
+        // With gloves: at 96 dots per inch 15 mm are 56 pixels.
+        let small = "[...document.querySelectorAll('footer a')].filter((link) => link.getBoundingClientRect().height < 56 || link.getBoundingClientRect().width < 56).length";
+        assert_eq!(browser.value(&tab, small), json!(0), "{page}");
+    }
+    for size in [TABLET, TWICE] {
+        browser.resize(&tab, size);
+        assert_eq!(
+            browser.value(&tab, "document.documentElement.scrollWidth <= innerWidth"),
+            json!(true),
+            "{size:?}"
+        );
+    }
+
+    // A browser that runs no scripts reads what the server has drawn.
+    let port = board.rsplit(':').next().unwrap().parse().unwrap();
+    for (page, text) in [("/", "Expected"), ("/technician", "too few strokes")] {
+        let drawn = ask(port, &format!("GET {page} HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n"));
+        assert!(drawn.contains(text), "{drawn}");
+    }
+}
+
+#[test]
+fn a_board_without_its_port_or_its_words_says_so_and_one_that_is_open_to_all_warns() {
+    let mut line = Line::new(Settings::live());
+    let port = with_board(&line);
+    line.reconfigure("[board]\n", "[board]\nbind = \"0.0.0.0\"\n");
+    line.start("steward");
+    let taken = TcpListener::bind(("0.0.0.0", port)).unwrap();
+    line.start("board");
+    line.wait_for_log("board", "AND-622", "choose another board.port");
+    drop(taken);
+    line.start("board");
+    line.wait_for_log("board", "AND-624", "Set board.bind to the loopback address");
+    line.reconfigure("[board]\n", "[board]\nlanguage = \"tlh\"\n");
+    let run = ["run", "board", "--as-given", "--config"];
+    let output = Command::new(andond()).args(run).arg(line.config()).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(78), "{said}");
+    assert!(said.contains("AND-623") && said.contains("there are de, en, es, fr, zh"), "{said}");
+}
