@@ -208,6 +208,9 @@ impl Board {
             _ if !self.guard.knows(request) => {
                 Response::text(421, "the board does not answer to this name\n")
             }
+            _ if request.is_from_another_site => {
+                Response::text(403, "the board is not for pages of other sites\n")
+            }
             "/board.css" => Response::ok("text/css; charset=utf-8", STYLE),
             "/board.js" => Response::ok("text/javascript; charset=utf-8", SCRIPT),
             "/events" => self.watch(Address::of_events(&request.query)),

@@ -143,6 +143,33 @@ fn a_browser_that_calls_the_board_by_another_name_reads_nothing() {
 }
 
 #[test]
+fn a_page_of_another_site_loads_nothing_and_a_link_of_it_leads_here() {
+    served(|port, _| {
+        let asked = |path: &str, fetch: &str| {
+            sent(port, format!("GET {path} HTTP/1.1\r\nHost: localhost:{port}\r\n{fetch}\r\n").as_bytes())
+        };
+        for path in ["/", "/technician", "/events", "/board.js"] {
+            for fetch in [
+                "Sec-Fetch-Site: cross-site\r\n",
+                "Sec-Fetch-Site: same-site\r\nSec-Fetch-Mode: no-cors\r\nSec-Fetch-Dest: script\r\n",
+                "Sec-Fetch-Site: cross-site\r\nSec-Fetch-Mode: navigate\r\nSec-Fetch-Dest: iframe\r\n",
+            ] {
+                let answer = asked(path, fetch);
+                assert!(answer.starts_with("HTTP/1.1 403 ") && !answer.contains("<html"), "{path}: {answer}");
+            }
+        }
+        for fetch in [
+            "",
+            "Sec-Fetch-Site: none\r\n",
+            "Sec-Fetch-Site: same-origin\r\nSec-Fetch-Mode: cors\r\n",
+            "Sec-Fetch-Site: cross-site\r\nSec-Fetch-Mode: navigate\r\nSec-Fetch-Dest: document\r\n",
+        ] {
+            assert!(asked("/technician", fetch).starts_with("HTTP/1.1 200 "), "{fetch}");
+        }
+    });
+}
+
+#[test]
 fn no_path_leads_to_a_file() {
     served(|port, _| {
         for path in [

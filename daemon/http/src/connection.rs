@@ -74,6 +74,7 @@ async fn answer(request: &hyper::Request<Incoming>, calls: &mpsc::Sender<Call>) 
         path: uri.path().to_owned(),
         query: uri.query().unwrap_or_default().to_owned(),
         host: host(request),
+        is_from_another_site: is_from_another_site(request),
     };
     let (reply, answered) = oneshot::channel();
     // Where there is no room for it, nobody answers it either.
@@ -90,6 +91,17 @@ fn host(request: &hyper::Request<Incoming>) -> Option<String> {
         (Some(host), None) => host.to_str().ok().map(str::to_owned),
         _ => None,
     }
+}
+
+/// Whether a page of another origin asks for this as a part of itself. A link that a person follows is none of that, and a program that is no browser
+/// says nothing of a site.
+fn is_from_another_site(request: &hyper::Request<Incoming>) -> bool {
+    let is = |name, values: &[&[u8]]| {
+        let header = request.headers().get(name);
+        header.is_some_and(|value| values.contains(&value.as_bytes()))
+    };
+    let is_elsewhere = is("sec-fetch-site", &[b"cross-site", b"same-site"]);
+    is_elsewhere && !(is("sec-fetch-mode", &[b"navigate"]) && is("sec-fetch-dest", &[b"document"]))
 }
 
 fn whole(response: Response, starts: &Mutex<Option<oneshot::Sender<Ending>>>) -> hyper::Response<Content> {

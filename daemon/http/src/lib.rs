@@ -49,6 +49,8 @@ pub struct Request {
     pub query: String,
     /// The header `Host`, if there is exactly one.
     pub host: Option<String>,
+    /// Whether the browser says that a page of another site asks for this, other than by leading its reader here.
+    pub is_from_another_site: bool,
 }
 
 /// What a client is answered.

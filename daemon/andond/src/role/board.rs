@@ -125,9 +125,6 @@ impl<'c> Pages<'c> {
         };
         role.remember();
         log!(code::BOARD_LISTENING, { address = %address }, "the board at http://{address}/");
-        if !address.ip().is_loopback() {
-            log!(code::BOARD_OPEN, "board.bind is {}", address.ip());
-        }
         cycle.stepped(began);
         Ok(role)
     }

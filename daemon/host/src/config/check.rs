@@ -274,6 +274,13 @@ impl Checks<'_> {
     }
 
     fn board(&mut self, config: &Config) {
+        if config.board.enable && !config.board.bind.is_loopback() {
+            let problem =
+                "must be a loopback address, as 127.0.0.1: the board has no TLS and no password yet, \
+                           so other machines must not reach it"
+                    .into();
+            self.fault("board.bind", &["board.enable"], problem);
+        }
         let others = [
             (config.plc.enable, config.plc.port, ["plc.port", "plc.enable"]),
             (config.metrics.enable, config.metrics.port, ["metrics.port", "metrics.enable"]),

@@ -206,8 +206,6 @@ table! {
         "Another program has it, perhaps another station: choose another board.port; or board.bind is not an address of this machine";
     ERROR 623 BOARD_WORDS_REFUSED: "the board has no words: a table of board.words has a fault, or there is none for board.language",
         "Correct what is named, or remove board.words";
-    WARN 624 BOARD_OPEN: "everybody who can reach this machine can read the board, without a password and unencrypted",
-        "Set board.bind to the loopback address, or name the clients in the unit's IPAddressAllow=";
 
     WARN 701 CLOCK_STEPPED: "the machine's clock was stepped: verdicts keep their order, and their UTC times jump",
         "Let one time service set the clock, slowly";

@@ -50,9 +50,8 @@ impl Board {
             "bind",
             &mut self.bind,
             (),
-            "The address that is listened on. On one that is not this machine's own everybody who can connect can read the \
-             pages, without a password, and unencrypted. The unit's IPAddressAllow= must name the clients (systemctl edit \
-             andon-board@NAME).",
+            "The address that is listened on. Only a loopback address is taken: the board has no TLS and no password yet, so \
+             other machines must not reach it.",
         );
         k.key(
             "port",
