@@ -44,9 +44,12 @@ pub(crate) struct Address {
     pub(crate) at: String,
 }
 
+/// No language, fault or event has a longer name. Every row of a list repeats the values in its link.
+const LONGEST: usize = 64;
+
 /// What values are made of; any other value is ignored.
 fn is_plain(value: &str) -> bool {
-    value.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"._-".contains(&byte))
+    value.len() <= LONGEST && value.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"._-".contains(&byte))
 }
 
 impl Address {
@@ -105,6 +108,15 @@ mod tests {
         assert_eq!(Address::of_events(events.split_once('?').map_or("", |(_, query)| query)), address);
         assert_eq!(Address::of_events("view=nothing"), Address::default());
         assert_eq!(Address::default().link(), "/");
+    }
+
+    #[test]
+    fn a_value_that_is_longer_than_any_name_is_ignored() {
+        let of_length = |length| Address::new(Page::Technician, &format!("at={}", "7".repeat(length)));
+        assert_eq!(of_length(LONGEST).at.len(), LONGEST);
+        assert_eq!(of_length(LONGEST + 1).at, "");
+        let longest = format!("{}-{}", u64::MAX, u64::MAX);
+        assert_eq!(Address::new(Page::Technician, &format!("at={longest}")).at, longest);
     }
 
     #[test]

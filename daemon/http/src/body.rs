@@ -2,6 +2,8 @@
 
 use std::convert::Infallible;
 use std::pin::Pin;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::task::{Context, Poll};
 
 use hyper::body::{Body, Bytes, Frame, SizeHint};
@@ -10,11 +12,32 @@ use tokio::sync::{mpsc, oneshot};
 /// Messages that wait for a client. One that does not read for so long is cut off.
 const WAITING: usize = 64;
 
+/// Bytes that wait for a client, unless one message alone is larger. A hundred deaf clients must not cost the machine its memory.
+const WAITING_BYTES: usize = 1 << 20;
+
 /// The body of a [`super::Response`], before its client is there.
 #[derive(Debug)]
 pub(super) enum Sent {
     Whole(Vec<u8>),
-    Feed { messages: mpsc::Receiver<Bytes>, ending: Ending },
+    Feed { messages: Messages, ending: Ending },
+}
+
+/// The receiving end of a feed.
+#[derive(Debug)]
+pub(super) struct Messages {
+    messages: mpsc::Receiver<Bytes>,
+    /// Bytes that wait.
+    waiting: Arc<AtomicUsize>,
+}
+
+impl Messages {
+    fn poll(&mut self, context: &mut Context<'_>) -> Poll<Option<Bytes>> {
+        let next = self.messages.poll_recv(context);
+        if let Poll::Ready(Some(message)) = &next {
+            self.waiting.fetch_sub(message.len(), Ordering::Relaxed);
+        }
+        next
+    }
 }
 
 impl Sent {
@@ -31,6 +54,8 @@ impl Sent {
 #[derive(Debug)]
 pub struct Feed {
     messages: mpsc::Sender<Bytes>,
+    /// Bytes that wait.
+    waiting: Arc<AtomicUsize>,
     /// Its drop is seen also where the client does not read, and the messages stand still.
     _open: oneshot::Sender<Infallible>,
 }
@@ -39,13 +64,18 @@ impl Feed {
     pub(super) fn new() -> (Self, Sent) {
         let (send, messages) = mpsc::channel(WAITING);
         let (open, ending) = oneshot::channel();
-        (Self { messages: send, _open: open }, Sent::Feed { messages, ending: Ending(ending) })
+        let waiting = Arc::<AtomicUsize>::default();
+        let messages = Messages { messages, waiting: Arc::clone(&waiting) };
+        (Self { messages: send, waiting, _open: open }, Sent::Feed { messages, ending: Ending(ending) })
     }
 
     /// Sends these bytes, and waits for nothing. False where the client has left, or does not read: the feed is then to be dropped.
     #[must_use]
-    pub fn send(&self, message: impl Into<Vec<u8>>) -> bool {
-        self.messages.try_send(Bytes::from(message.into())).is_ok()
+    pub fn send(&self, message: impl Into<Bytes>) -> bool {
+        let message = message.into();
+        let before = self.waiting.fetch_add(message.len(), Ordering::Relaxed);
+        let has_room = before == 0 || before + message.len() <= WAITING_BYTES;
+        has_room && self.messages.try_send(message).is_ok()
     }
 }
 
@@ -64,7 +94,7 @@ impl Ending {
 #[derive(Debug)]
 pub(super) enum Content {
     Whole(Option<Bytes>),
-    Feed(mpsc::Receiver<Bytes>),
+    Feed(Messages),
 }
 
 impl Body for Content {
@@ -77,7 +107,7 @@ impl Body for Content {
     ) -> Poll<Option<Result<Frame<Bytes>, Infallible>>> {
         let next = match self.get_mut() {
             Self::Whole(bytes) => Poll::Ready(bytes.take()),
-            Self::Feed(messages) => messages.poll_recv(context),
+            Self::Feed(messages) => messages.poll(context),
         };
         next.map(|bytes| bytes.map(|bytes| Ok(Frame::data(bytes))))
     }
@@ -90,6 +120,37 @@ impl Body for Content {
         match self {
             Self::Whole(bytes) => SizeHint::with_exact(bytes.as_ref().map_or(0, Bytes::len) as u64),
             Self::Feed(_) => SizeHint::default(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sends until a feed refuses, and returns how many messages it has taken.
+    fn taken(feed: &Feed, message: &Bytes) -> usize {
+        (0..2 * WAITING).take_while(|_| feed.send(message.clone())).count()
+    }
+
+    #[test]
+    fn a_feed_keeps_no_more_than_its_bytes_and_takes_any_message_alone() {
+        let (feed, _sent) = Feed::new();
+        assert_eq!(taken(&feed, &Bytes::from(vec![7; WAITING_BYTES / 4])), 4);
+        let (feed, _sent) = Feed::new();
+        assert_eq!(taken(&feed, &Bytes::from(vec![7; 2 * WAITING_BYTES])), 1);
+        let (feed, _sent) = Feed::new();
+        assert_eq!(taken(&feed, &Bytes::from_static(b"beat")), WAITING);
+    }
+
+    #[test]
+    fn what_was_read_makes_room() {
+        let (feed, sent) = Feed::new();
+        let (Content::Feed(mut messages), _) = sent.open() else { panic!("it is a feed") };
+        let mut context = Context::from_waker(std::task::Waker::noop());
+        for _ in 0..10 {
+            assert!(feed.send(vec![7; WAITING_BYTES]));
+            assert!(messages.poll(&mut context).is_ready());
         }
     }
 }

@@ -44,6 +44,8 @@ pub(super) async fn accept_all(listener: &TcpListener, calls: &mpsc::Sender<Call
     loop {
         match listener.accept().await {
             Ok((stream, _)) => {
+                // A short message must not wait for the acknowledgement of the one before it. Without this it comes late, and comes all the same.
+                let _ = stream.set_nodelay(true);
                 make_room(&mut clients).await;
                 let (asked, calls) = (Asked::default(), calls.clone());
                 // The runtime has one thread, and ends with it whatever still waits.

@@ -36,9 +36,13 @@ use body::Sent;
 use clients::accept_all;
 
 pub use body::Feed;
+pub use hyper::body::Bytes;
 
 /// Requests that wait for the loop. A monitoring system sends one in some seconds, a browser a few at once.
 const WAITING: usize = 64;
+
+/// Requests that are answered in one call of [`Server::serve`]: a loop has other work, and the rest waits for its next turn.
+const AT_ONCE: usize = 8;
 
 /// What a client asks for. Only `GET` and `HEAD` come this far, and the server leaves out the body of what answers the latter.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -134,10 +138,11 @@ impl Server {
         self.address
     }
 
-    /// Answers every request that has come. It waits for none.
+    /// Answers requests that have come, and leaves what is more than a few to the next call. It waits for none.
     pub fn serve(&self, mut answer: impl FnMut(&Request) -> Response) {
         let mut calls = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
-        while let Ok(call) = calls.try_recv() {
+        for _ in 0..AT_ONCE {
+            let Ok(call) = calls.try_recv() else { return };
             // A client that has left, or has been told that nobody answers, needs no answer.
             if !call.reply.is_closed() {
                 let _ = call.reply.send(answer(&call.request));

@@ -129,6 +129,29 @@ fn a_loop_that_stands_still_is_said_to() {
 }
 
 #[test]
+fn a_call_of_the_loop_answers_a_few_requests_and_the_next_calls_the_rest() {
+    let server = Server::bind(([127, 0, 0, 1], 0).into()).unwrap();
+    let clients: Vec<TcpStream> = (0..30).map(|_| connect(&server)).collect();
+    for mut client in &clients {
+        client.write_all(b"GET /host HTTP/1.1\r\nHost: here\r\n\r\n").unwrap();
+    }
+    let (mut all, mut most) = (0, 0);
+    while all < 30 {
+        let mut answered = 0;
+        server.serve(|request| {
+            answered += 1;
+            // Others come meanwhile, and do not prolong this call.
+            std::thread::sleep(Duration::from_millis(5));
+            answer(request)
+        });
+        (all, most) = (all + answered, most.max(answered));
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert!((2..=8).contains(&most), "{most}");
+    assert!(clients.into_iter().all(|client| remaining(client).ends_with("here")));
+}
+
+#[test]
 fn a_feed_goes_on_until_it_is_dropped_and_a_client_that_does_not_read_it_is_cut_off() {
     let server = Server::bind(([127, 0, 0, 1], 0).into()).unwrap();
     let mut clients: Vec<TcpStream> = (0..2).map(|_| connect(&server)).collect();
