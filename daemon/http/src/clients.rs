@@ -1,11 +1,12 @@
-//! Who is connected. There is always room for one more: whoever has connected and asked nothing makes way.
+//! Who is connected. There is always room for one more: whoever has connected and asked nothing makes way, and then whoever reads an answer slowly.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::time::{Duration, Instant};
 
-use tokio::net::TcpListener;
+use rustix::net::sockopt;
+use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 use tokio::time::sleep;
@@ -19,23 +20,50 @@ const CLIENTS: usize = 64;
 /// After a failure to accept, as when there are no file descriptors left, and while all that are connected are being answered.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// Whether a client has sent its request.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Asked(Arc<AtomicBool>);
+/// Who has been connected for so long, and still reads its answer, makes way for another. A machine in the same hall reads within milliseconds.
+const SLOW: Duration = Duration::from_secs(1);
 
-impl Asked {
-    pub(super) fn say(&self) {
-        self.0.store(true, Ordering::Relaxed);
+/// A client that confirms nothing of what was sent to it for so long is gone, in milliseconds.
+const UNREACHABLE_MS: u32 = 10_000;
+
+/// How far a client is.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Progress(Arc<AtomicU8>);
+
+impl Progress {
+    const CONNECTED: u8 = 0;
+    const ASKED: u8 = 1;
+    const FED: u8 = 2;
+
+    /// Its request has come.
+    pub(super) fn asked(&self) {
+        self.0.store(Self::ASKED, Ordering::Relaxed);
     }
 
-    fn is_said(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+    /// It gets a feed, of which the program knows best how long it goes on.
+    pub(super) fn fed(&self) {
+        self.0.store(Self::FED, Ordering::Relaxed);
+    }
+
+    fn is(&self, progress: u8) -> bool {
+        self.0.load(Ordering::Relaxed) == progress
     }
 }
 
 struct Client {
     task: JoinHandle<()>,
-    asked: Asked,
+    progress: Progress,
+    connected: Instant,
+}
+
+impl Client {
+    fn is_silent(&self) -> bool {
+        self.progress.is(Progress::CONNECTED)
+    }
+
+    fn is_slow(&self) -> bool {
+        self.progress.is(Progress::ASKED) && self.connected.elapsed() >= SLOW
+    }
 }
 
 /// Serves every client, each beside the others, until it is dropped.
@@ -46,11 +74,12 @@ pub(super) async fn accept_all(listener: &TcpListener, calls: &mpsc::Sender<Call
             Ok((stream, _)) => {
                 // A short message must not wait for the acknowledgement of the one before it. Without this it comes late, and comes all the same.
                 let _ = stream.set_nodelay(true);
+                cut_off_when_unreachable(&stream);
                 make_room(&mut clients).await;
-                let (asked, calls) = (Asked::default(), calls.clone());
+                let (progress, calls) = (Progress::default(), calls.clone());
                 // The runtime has one thread, and ends with it whatever still waits.
-                let task = tokio::spawn(serve(stream, calls, asked.clone()));
-                clients.push_back(Client { task, asked });
+                let task = tokio::spawn(serve(stream, calls, progress.clone()));
+                clients.push_back(Client { task, progress, connected: Instant::now() });
             }
             Err(error) => {
                 tracing::debug!(%error, "a client was not accepted");
@@ -60,17 +89,25 @@ pub(super) async fn accept_all(listener: &TcpListener, calls: &mpsc::Sender<Call
     }
 }
 
+/// A machine whose cable was pulled says nothing, and the system would wait for it a quarter of an hour. Where it cannot be told not to, it waits.
+fn cut_off_when_unreachable(stream: &TcpStream) {
+    if let Err(error) = sockopt::set_tcp_user_timeout(stream, UNREACHABLE_MS) {
+        tracing::debug!(%error, "a client that is gone may keep its place");
+    }
+}
+
 /// Waits until fewer clients are connected than are served at once. The oldest of those that have asked nothing is cut off: a request comes within
-/// milliseconds, and a thousand silent connections must not keep a browser out.
+/// milliseconds, and a thousand silent connections must not keep a browser out. If there is none, it is the oldest of those that read slowly.
 async fn make_room(clients: &mut VecDeque<Client>) {
     loop {
         clients.retain(|client| !client.task.is_finished());
         if clients.len() < CLIENTS {
             return;
         }
-        match clients.iter().position(|client| !client.asked.is_said()) {
-            Some(silent) => {
-                if let Some(client) = clients.remove(silent) {
+        let silent = clients.iter().position(Client::is_silent);
+        match silent.or_else(|| clients.iter().position(Client::is_slow)) {
+            Some(place) => {
+                if let Some(client) = clients.remove(place) {
                     client.task.abort();
                 }
             }

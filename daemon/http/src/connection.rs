@@ -15,7 +15,7 @@ use tokio::sync::{mpsc, oneshot};
 use tokio::time::{sleep, timeout};
 
 use super::body::{Content, Ending};
-use super::clients::Asked;
+use super::clients::Progress;
 use super::{Call, Request, Response};
 
 /// How long a client may take to send its request: a machine in the same hall needs milliseconds.
@@ -34,13 +34,19 @@ const REQUEST_BYTES: usize = 16 * 1024;
 const REST: Duration = Duration::from_secs(1);
 
 /// Serves a client to the end of its connection.
-pub(super) async fn serve(stream: TcpStream, calls: mpsc::Sender<Call>, asked: Asked) {
+pub(super) async fn serve(stream: TcpStream, calls: mpsc::Sender<Call>, progress: Progress) {
     let (starts, started) = oneshot::channel();
     let starts = Mutex::new(Some(starts));
     let service = service_fn(|request: hyper::Request<Incoming>| {
-        let (calls, starts) = (calls.clone(), &starts);
-        asked.say();
-        async move { Ok::<_, Infallible>(whole(answer(&request, &calls).await, starts)) }
+        let (calls, starts, progress) = (calls.clone(), &starts, &progress);
+        progress.asked();
+        async move {
+            let response = answer(&request, &calls).await;
+            if response.is_feed() {
+                progress.fed();
+            }
+            Ok::<_, Infallible>(whole(response, starts))
+        }
     });
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())

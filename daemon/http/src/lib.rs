@@ -84,6 +84,10 @@ impl Response {
         (Self { status: 200, kind, headers: &[], body }, feed)
     }
 
+    fn is_feed(&self) -> bool {
+        matches!(self.body, Sent::Feed { .. })
+    }
+
     /// The same with further headers, whose names are in small letters.
     #[must_use]
     pub fn with(self, headers: &'static [(&'static str, &'static str)]) -> Self {

@@ -5,7 +5,7 @@
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use andon_http::{Request, Response, Server};
 
@@ -36,6 +36,7 @@ fn answer(request: &Request) -> Response {
     match request.path.as_str() {
         "/host" => Response::ok("text/plain", request.host.clone().unwrap_or_default()),
         "/large" => Response::ok("image/jpeg", vec![7; 40_000_000]),
+        "/long" => Response::ok("image/jpeg", vec![0; 8_000_000]),
         "/safe" => Response::ok("text/html", "<p>").with(&[("x-content-type-options", "nosniff")]),
         _ => Response::text(404, "nothing is there\n"),
     }
@@ -84,6 +85,24 @@ fn a_client_that_does_not_read_its_answer_holds_up_nobody() {
         for _ in 0..10 {
             assert!(ask(server, "GET /host HTTP/1.1\r\nHost: here\r\n\r\n").ends_with("here"));
         }
+    });
+}
+
+#[test]
+fn clients_that_read_slowly_make_way_for_one_that_reads() {
+    served(|server| {
+        let mut slow: Vec<TcpStream> = (0..64).map(|_| connect(server)).collect();
+        for client in &mut slow {
+            client.write_all(b"GET /long HTTP/1.1\r\n\r\n").unwrap();
+        }
+        for client in &mut slow {
+            client.read_exact(&mut [0]).unwrap();
+        }
+        // Each of them holds a place for the ten seconds of a connection, if nobody else wants it.
+        let began = Instant::now();
+        assert!(ask(server, "GET /host HTTP/1.1\r\nHost: here\r\n\r\n").ends_with("here"));
+        assert!(began.elapsed() < Duration::from_secs(8), "{:?}", began.elapsed());
+        drop(slow);
     });
 }
 
