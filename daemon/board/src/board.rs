@@ -122,6 +122,9 @@ impl Board {
     /// What the judge says of itself.
     pub fn judging(&mut self, judging: &Judging) {
         let was_running = self.is_running();
+        if self.judging.is_some_and(|known| known.model_hash != judging.model_hash) {
+            self.piece.leave();
+        }
         self.judging = Some(*judging);
         if self.is_running() && !was_running {
             self.piece.begin();

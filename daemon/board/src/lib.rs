@@ -18,6 +18,7 @@ mod board;
 mod clips;
 mod guard;
 mod html;
+mod inbox;
 mod job;
 mod line;
 mod page;
@@ -31,6 +32,7 @@ mod words;
 
 pub use board::{Board, Settings};
 pub use clips::Clips;
+pub use inbox::{Inbox, Said};
 pub use job::{Job, Step};
 pub use line::{Line, Stop};
 pub use words::{TableError, Tables};

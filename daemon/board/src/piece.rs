@@ -8,6 +8,8 @@
 //!                                  the judge says that a job runs,
 //!                                  or what comes is not simply right
 //! ```
+//!
+//! Another job begins another piece: one that is under way is left, and one that has ended is told of until the next begins.
 
 use shm_schemas::{NO_INDEX, PartId, Verdict, VerdictLevel, VerdictOutcome};
 
@@ -54,10 +56,13 @@ pub(crate) struct Piece {
 impl Piece {
     /// Takes the next verdict. `is_running` is what the judge has said last: whether a job has begun and has not ended.
     pub(crate) fn take(&mut self, verdict: &Verdict, is_running: bool) {
-        let is_another_judge = self.newest.is_some_and(|newest| newest.stamp.epoch != verdict.stamp.epoch);
+        let is_another = |newest: Verdict| {
+            newest.stamp.epoch != verdict.stamp.epoch || newest.model_hash != verdict.model_hash
+        };
+        let is_of_another = self.newest.is_some_and(is_another);
         // What lets go of the last part may come after the end.
         let is_next = self.ended.is_some() && (is_running || Standing::of(verdict) != Standing::Right);
-        if is_another_judge || is_next {
+        if is_of_another || is_next {
             *self = Self::default();
         }
         self.newest = Some(*verdict);
@@ -75,6 +80,13 @@ impl Piece {
     /// A job has begun.
     pub(crate) fn begin(&mut self) {
         if self.ended.is_some() {
+            *self = Self::default();
+        }
+    }
+
+    /// It is left before its end: another job is in force.
+    pub(crate) fn leave(&mut self) {
+        if self.ended.is_none() {
             *self = Self::default();
         }
     }
@@ -191,6 +203,19 @@ mod tests {
         assert_eq!(told(&after(&[numbered(1, note), end])), (Standing::Noted, Some(1)));
         let left_out = Verdict { level: VerdictLevel::Job.code(), ..wrong(VerdictReason::NotCompleted) };
         assert_eq!(told(&after(&[numbered(1, left_out)])), (Standing::Wrong, Some(1)));
+    }
+
+    #[test]
+    fn another_job_begins_another_piece_and_what_has_ended_is_told_until_then() {
+        let mut piece = after(&[right(VerdictLevel::Activity, 0), wrong(VerdictReason::Motion)]);
+        piece.leave();
+        assert_eq!((told(&piece), piece.steps(2)), ((Standing::Right, None), [Some(0), Some(1)]));
+        let end = Verdict { level: VerdictLevel::Job.code(), ..wrong(VerdictReason::NotCompleted) };
+        let mut piece = after(&[numbered(1, end)]);
+        piece.leave();
+        assert_eq!(told(&piece), (Standing::Wrong, Some(1)));
+        piece.take(&Verdict { model_hash: 8, ..right(VerdictLevel::Iu, 0) }, false);
+        assert_eq!(told(&piece), (Standing::Right, None));
     }
 
     #[test]

@@ -234,8 +234,9 @@ impl<'a> Amounts<'a> {
     }
 }
 
-fn number(value: f32, decimals: usize, words: &Table) -> String {
-    format!("{value:.decimals$}").replace('.', words.say("decimal"))
+/// A number as people read it in this language.
+pub(crate) fn number(value: impl Into<f64>, decimals: usize, words: &Table) -> String {
+    format!("{:.decimals$}", value.into()).replace('.', words.say("decimal"))
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
-use andon_board::{Board, Clips, Job, Line, Settings, Step, Stop, Tables};
+use andon_board::{Board, Clips, Inbox, Job, Line, Said, Settings, Step, Stop, Tables};
 use andon_host::config::{Config, RecordMode};
 use andon_host::log::{code, log};
 use andon_host::role::{Cycle, Role, Turn};
@@ -61,6 +61,7 @@ struct Pages<'c> {
     verdicts: Reader<Verdict>,
     judging: Reader<Judging>,
     health: Reader<Health>,
+    inbox: Inbox,
     line: LineHealth,
     /// Since when the line starts.
     starting: Option<Instant>,
@@ -91,7 +92,8 @@ impl Role for Pages<'_> {
         if matches!(cycle.wake(), Wake::WriterGone { .. }) {
             self.line.departed(now);
         }
-        self.take()?;
+        self.take(now)?;
+        self.take_health()?;
         self.look(now);
         self.board.publish(now.nanoseconds());
         let board = &mut self.board;
@@ -115,6 +117,7 @@ impl<'c> Pages<'c> {
             verdicts: node.reader()?,
             judging: node.reader()?,
             health: node.reader()?,
+            inbox: Inbox::default(),
             line: LineHealth::new(config),
             starting: None,
             ended: Vec::new(),
@@ -150,18 +153,33 @@ impl<'c> Pages<'c> {
         }
     }
 
-    /// Takes everything that has come. A verdict was sent before the judge said what it does next.
-    fn take(&mut self) -> Result<(), RoleError> {
+    /// Takes everything that the judge has said until now, in the order in which it said it.
+    fn take(&mut self, now: MonotonicTime) -> Result<(), RoleError> {
         while let Some(verdict) = self.verdicts.take()? {
-            self.board.verdict(&verdict);
+            self.inbox.put(Said::Verdict(Box::new(*verdict)));
         }
         while let Some(judging) = self.judging.take()? {
-            if self.job != Some(judging.model_hash) {
-                self.job = Some(judging.model_hash);
-                self.board.job(names(self.config, &judging));
-            }
-            self.board.judging(&judging);
+            self.inbox.put(Said::Judging(Box::new(*judging)));
         }
+        for said in self.inbox.take_until(now.nanoseconds()) {
+            match said {
+                Said::Verdict(verdict) => self.board.verdict(&verdict),
+                Said::Judging(judging) => self.judging(&judging),
+            }
+        }
+        Ok(())
+    }
+
+    fn judging(&mut self, judging: &Judging) {
+        if self.job != Some(judging.model_hash) {
+            self.job = Some(judging.model_hash);
+            self.board.job(names(self.config, judging));
+        }
+        self.board.judging(judging);
+    }
+
+    /// Takes everything that the roles have said of themselves.
+    fn take_health(&mut self) -> Result<(), RoleError> {
         while let Some(health) = self.health.take()? {
             self.line.received(&health);
             self.board.health(&health);

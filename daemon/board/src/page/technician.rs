@@ -8,7 +8,7 @@ use super::state::{State, state};
 use crate::address::Address;
 use crate::board::Board;
 use crate::html::Html;
-use crate::told::{Teller, fault_key, outcome_key};
+use crate::told::{Teller, fault_key, number, outcome_key};
 use crate::words::Table;
 
 /// What is told of each event.
@@ -90,21 +90,26 @@ fn role(html: &mut Html, board: &Board, words: &Table, role: RoleId) {
         .text(role.name());
     let word = format!("role.{}", state.map_or("Silent", RoleState::name));
     html.raw("</th><td>").raw(if works { "" } else { "\u{25b2} " }).text(words.say(&word)).raw("</td>");
-    let cell = |of: fn(&Health) -> String| health.map_or("\u{2013}".to_owned(), of);
-    let milliseconds = [
-        cell(|health| format!("{:.1}", f64::from(health.p50_us) / 1e3)),
-        cell(|health| format!("{:.1}", f64::from(health.p99_us) / 1e3)),
-    ];
-    let counts = [
-        cell(|health| format!("{:.1}", health.rate_hz)),
-        cell(|health| health.losses.to_string()),
-        cell(|health| health.refused.to_string()),
-    ];
-    for number in counts.iter().chain(&milliseconds) {
-        html.element("<td class=\"number\">", number, "</td>");
+    for cell in health.map_or(UNKNOWN.map(str::to_owned), |health| numbers(health, words)) {
+        html.element("<td class=\"number\">", &cell, "</td>");
     }
     message(html, board, health.map_or(0, |health| health.last_error));
     html.raw("</tr>");
+}
+
+/// What a role that is silent says of its numbers.
+const UNKNOWN: [&str; 5] = ["\u{2013}"; 5];
+
+/// The numbers of a role, in the order of their columns.
+fn numbers(health: &Health, words: &Table) -> [String; 5] {
+    let milliseconds = |microseconds: u32| number(f64::from(microseconds) / 1e3, 1, words);
+    [
+        number(health.rate_hz, 1, words),
+        health.losses.to_string(),
+        health.refused.to_string(),
+        milliseconds(health.p50_us),
+        milliseconds(health.p99_us),
+    ]
 }
 
 fn is_silent(health: &Health, now_ns: u64) -> bool {
@@ -237,5 +242,21 @@ fn sign(outcome: &str) -> &'static str {
         "outcome.anomaly" => "\u{2715} ",
         "outcome.note" => "\u{25b3} ",
         _ => "\u{25c7} ",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::words::Tables;
+
+    #[test]
+    fn numbers_of_a_role_are_written_as_in_the_language_of_the_page() {
+        let health = Health { rate_hz: 29.97, losses: 3, p50_us: 1500, p99_us: 12_345, ..Health::default() };
+        let tables = Tables::shipped();
+        let told = |language| numbers(&health, tables.get(language).unwrap());
+        assert_eq!(told("en"), ["30.0", "3", "0", "1.5", "12.3"]);
+        assert_eq!(told("de"), ["30,0", "3", "0", "1,5", "12,3"]);
     }
 }
