@@ -1,7 +1,7 @@
 //! The address of a page: which page, in which language, which events. Every link keeps what it does not change.
 
 /// A page for people.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) enum Page {
     #[default]
     Worker,
@@ -33,7 +33,7 @@ impl Page {
 }
 
 /// What the query of an address says. Empty is not said.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) struct Address {
     pub(crate) page: Page,
     /// The code of the language.

@@ -1,6 +1,8 @@
 //! The browsers that watch, each its page.
 
-use andon_http::Feed;
+use std::collections::HashMap;
+
+use andon_http::{Bytes, Feed};
 
 use crate::address::{Address, Page};
 
@@ -27,8 +29,8 @@ pub(crate) struct Watchers(Vec<Watcher>);
 struct Watcher {
     feed: Feed,
     address: Address,
-    /// What its page shows.
-    shown: String,
+    /// What its page shows, as the message that says so.
+    shown: Bytes,
     /// The state of the board of which that is.
     version: Option<u64>,
     told_ns: u64,
@@ -48,28 +50,37 @@ impl Watchers {
 
     pub(crate) fn add(&mut self, feed: Feed, address: Address) {
         if feed.send(RETRY) {
-            let (shown, version) = (String::new(), None);
+            let (shown, version) = (Bytes::new(), None);
             self.0.push(Watcher { feed, address, shown, version, told_ns: 0, drawn_ns: 0 });
         }
     }
 
-    /// Sends each what has changed on its page since it was told last. `draw` draws a page.
+    /// Sends each what has changed on its page since it was told last. `draw` draws a page, once for all who look at the same one.
     pub(crate) fn tell(&mut self, version: u64, now_ns: u64, draw: impl Fn(&Address) -> String) {
-        self.0.retain_mut(|watcher| watcher.tell(version, now_ns, &draw));
+        let mut drawn = HashMap::<Address, Bytes>::new();
+        self.0.retain_mut(|watcher| {
+            watcher.tell(version, now_ns, |address| match drawn.get(address) {
+                Some(message) => message.clone(),
+                None => {
+                    let message = Bytes::from(format!("event: show\ndata: {}\n\n", draw(address)));
+                    drawn.insert(address.clone(), message.clone());
+                    message
+                }
+            })
+        });
     }
 }
 
 impl Watcher {
     /// False when the browser has gone, or does not read.
-    fn tell(&mut self, version: u64, now_ns: u64, draw: impl Fn(&Address) -> String) -> bool {
+    fn tell(&mut self, version: u64, now_ns: u64, message: impl FnOnce(&Address) -> Bytes) -> bool {
         let is_calm = self.address.page == Page::Worker || now_ns.saturating_sub(self.drawn_ns) >= CALM_NS;
         if is_calm && self.version != Some(version) {
             (self.version, self.drawn_ns) = (Some(version), now_ns);
-            let drawn = draw(&self.address);
+            let drawn = message(&self.address);
             if drawn != self.shown {
-                let is_sent = self.feed.send(format!("event: show\ndata: {drawn}\n\n"));
-                (self.shown, self.told_ns) = (drawn, now_ns);
-                return is_sent;
+                (self.shown, self.told_ns) = (drawn.clone(), now_ns);
+                return self.feed.send(drawn);
             }
         }
         if now_ns.saturating_sub(self.told_ns) < BEAT_NS {
@@ -77,5 +88,37 @@ impl Watcher {
         }
         self.told_ns = now_ns;
         self.feed.send(ALIVE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::RefCell;
+
+    use andon_http::Response;
+
+    #[test]
+    fn a_page_that_several_look_at_is_drawn_once() {
+        let mut watchers = Watchers::default();
+        let [worker, technician] =
+            [Page::Worker, Page::Technician].map(|page| Address { page, ..Address::default() });
+        // Their clients read nothing, and are there as long as these are.
+        let _responses: Vec<_> = [&worker, &technician, &worker, &worker]
+            .map(|address| {
+                let (response, feed) = Response::feed("text/event-stream");
+                watchers.add(feed, address.clone());
+                response
+            })
+            .into();
+        let drawn = RefCell::new(Vec::new());
+        let draw = |address: &Address| {
+            drawn.borrow_mut().push(address.page);
+            "<p>".to_owned()
+        };
+        watchers.tell(1, CALM_NS, draw);
+        assert_eq!(*drawn.borrow(), [Page::Worker, Page::Technician]);
+        watchers.tell(1, 2 * CALM_NS, draw);
+        assert_eq!((drawn.borrow().len(), watchers.0.len()), (2, 4), "nothing has changed");
     }
 }

@@ -4,8 +4,8 @@
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{Ipv4Addr, TcpStream};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{LazyLock, Mutex};
 use std::time::{Duration, Instant};
 
 use andon_board::{Board, Job, Line, Settings, Step, Tables};
@@ -16,6 +16,12 @@ use shm_schemas::{
 
 /// Only a failing test waits for so long.
 const PATIENCE: Duration = Duration::from_secs(60);
+
+/// The clock of the boards and of what they are told.
+fn now_ns() -> u64 {
+    static BEGAN: LazyLock<Instant> = LazyLock::new(Instant::now);
+    u64::try_from(BEGAN.elapsed().as_nanos()).unwrap()
+}
 
 /// What an engineer may have typed, or somebody who means harm.
 const MARKUP: &str = "\"><script>alert(1)</script><img src=x onerror=alert(1)>";
@@ -65,12 +71,12 @@ fn served(test: impl FnOnce(u16, &Mutex<Board>)) {
     let port = server.address().port();
     let board = Mutex::new(Board::new(settings(port)));
     fill(&mut board.lock().unwrap());
-    let (is_over, began) = (AtomicBool::new(false), Instant::now());
+    let is_over = AtomicBool::new(false);
     std::thread::scope(|scope| {
         scope.spawn(|| {
             while !is_over.load(Ordering::Relaxed) {
                 let mut board = board.lock().unwrap();
-                board.publish(u64::try_from(began.elapsed().as_nanos()).unwrap());
+                board.publish(now_ns());
                 server.serve(|request| board.answer(request));
                 drop(board);
                 std::thread::sleep(Duration::from_millis(5));
@@ -110,10 +116,11 @@ fn watch(port: u16, query: &str) -> BufReader<TcpStream> {
     BufReader::new(stream)
 }
 
-/// Reads until a line has this text.
+/// Reads until a line has this text. The board sends a sign of life again and again, so the time for one line is no limit.
 fn until(browser: &mut BufReader<TcpStream>, text: &str) {
-    let mut line = String::new();
+    let (mut line, deadline) = (String::new(), Instant::now() + PATIENCE);
     while !line.contains(text) {
+        assert!(Instant::now() < deadline, "waited in vain for {text:?}");
         line.clear();
         assert!(browser.read_line(&mut line).unwrap() > 0, "the stream ended before {text:?}");
     }
@@ -307,12 +314,15 @@ fn a_page_that_is_watched_shows_a_verdict_beside_a_thousand_connections_and_slow
         // They watch, and read nothing.
         let deaf: Vec<_> = (0..10).map(|_| watch(port, "view=technician")).collect();
         let silent: Vec<TcpStream> = (0..1000).map(|_| connect(port)).collect();
-        board.lock().unwrap().verdict(&Verdict {
+        let mut right = Verdict {
             outcome: VerdictOutcome::Ok.code(),
             reason: VerdictReason::None.code(),
             level: VerdictLevel::Job.code(),
             ..fault(PartId::NONE)
-        });
+        };
+        // A right piece is shown for ten seconds from its verdict on.
+        right.stamp.sent_ns = now_ns();
+        board.lock().unwrap().verdict(&right);
         until(&mut browser, "GUT");
         assert!(get(port, "/").starts_with("HTTP/1.1 200 "));
         drop((slow, deaf, silent));
