@@ -61,6 +61,16 @@ pub fn recordings(folder: &Path) -> io::Result<Vec<Recording>> {
     Ok(files(folder)?.into_iter().map(with_index).collect())
 }
 
+/// The recordings of a folder that have an index beside them, the oldest first. None is read for its index, as [`recordings`] does, which takes long
+/// for a long one.
+///
+/// # Errors
+/// As [`recordings`].
+pub fn indexed(folder: &Path) -> io::Result<Vec<Recording>> {
+    let with_index = |path: PathBuf| Index::beside(&path).map(|index| Recording { path, index });
+    Ok(files(folder)?.into_iter().filter_map(with_index).collect())
+}
+
 /// What cannot be read shows nothing, and was made when its name says. Who opens it by its name is told why it cannot be.
 fn of_unread(recording: &Path) -> Index {
     let utc_ns = made_utc_ns(recording).unwrap_or_default();

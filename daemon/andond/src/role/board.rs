@@ -3,9 +3,12 @@
 //! It only reads, and nothing waits for it: the line goes on without it as before. What the pages show is made by the crate `andon-board`. This role
 //! feeds it with the channels, the journal, the names in the job in force, and the clock.
 //!
-//! As in `metrics`, the server reads and writes in a thread of its own, and the loop answers.
+//! As in `metrics`, the server reads and writes in a thread of its own, and the loop answers. A disk may be slow, so clips are looked for in a thread as
+//! well.
 
 use std::net::SocketAddr;
+use std::path::Path;
+use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
 use andon_board::{Board, Clips, Inbox, Job, Line, Said, Settings, Step, Stop, Tables};
@@ -73,6 +76,8 @@ struct Pages<'c> {
     job: Option<u64>,
     looked: Option<Instant>,
     looked_for_clips: Option<Instant>,
+    /// Looks for clips now.
+    search: Option<JoinHandle<Clips>>,
 }
 
 impl Role for Pages<'_> {
@@ -125,6 +130,7 @@ impl<'c> Pages<'c> {
             job: None,
             looked: None,
             looked_for_clips: None,
+            search: None,
         };
         role.remember();
         log!(code::BOARD_LISTENING, { address = %address }, "the board at http://{address}/");
@@ -203,9 +209,20 @@ impl<'c> Pages<'c> {
         let line = self.line.line(now);
         let line = self.shown(line);
         self.board.line(line, &self.line.cause());
+        self.look_for_clips();
+    }
+
+    /// Begins to look for clips where somebody looks at the events, and takes what was found.
+    fn look_for_clips(&mut self) {
+        // Where a search was broken off, the next one finds what it would have found.
+        if let Some(Ok(found)) = self.search.take_if(|search| search.is_finished()).map(JoinHandle::join) {
+            self.board.clips(found);
+        }
         let records = self.config.record.mode != RecordMode::Off && self.board.is_looked_through();
-        if records && is_due(&mut self.looked_for_clips, LOOK_FOR_CLIPS) {
-            self.board.clips(clips(self.config));
+        if records && self.search.is_none() && is_due(&mut self.looked_for_clips, LOOK_FOR_CLIPS) {
+            let folder = self.config.recordings();
+            // Without a thread there are no clips this time.
+            self.search = Builder::new().name("clips".into()).spawn(move || clips(&folder)).ok();
         }
     }
 
@@ -286,8 +303,8 @@ fn names_in(file: &JobFile) -> Job {
 }
 
 /// The clips that there are. Where the folder cannot be read, the role `record` says so.
-fn clips(config: &Config) -> Clips {
-    let recordings = store::recordings(&config.recordings()).unwrap_or_default();
+fn clips(folder: &Path) -> Clips {
+    let recordings = store::indexed(folder).unwrap_or_default();
     let by_verdict = store::by_verdict(&recordings);
     Clips::new(by_verdict.into_iter().map(|(verdict, recording)| {
         (verdict, recording.path.file_name().unwrap_or_default().to_string_lossy().into_owned())
