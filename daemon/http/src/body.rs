@@ -146,7 +146,7 @@ mod tests {
     #[test]
     fn what_was_read_makes_room() {
         let (feed, sent) = Feed::new();
-        let (Content::Feed(mut messages), _) = sent.open() else { panic!("it is a feed") };
+        let Sent::Feed { mut messages, .. } = sent else { unreachable!("a feed was made") };
         let mut context = Context::from_waker(std::task::Waker::noop());
         for _ in 0..10 {
             assert!(feed.send(vec![7; WAITING_BYTES]));
