@@ -122,9 +122,10 @@ impl Channel {
             Self::Health => {
                 Qos { buffer: 4, history: 1, borrowed: 2, readers: 16, writers: 16, loans: 2, burst: 1 }
             }
-            // Only the newest counts. A history of 1, for a reader that starts later: plc, the tools and programs in C.
+            // Only the newest counts. A history of 1, for a reader that starts later. 16 readers: perceive, encode, plc, metrics, board, those that are
+            // dead and not yet removed, the tools and programs in C.
             Self::Judging => {
-                Qos { buffer: 4, history: 1, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 1 }
+                Qos { buffer: 4, history: 1, borrowed: 2, readers: 16, writers: 1, loans: 2, burst: 1 }
             }
             // Each writer keeps what was done while the journal was away. A person does less than that in such a time. 4 readers: journal, record,
             // and those that are dead and not yet removed.
