@@ -21,9 +21,7 @@ impl Guard {
         if !bind.is_unspecified() {
             hosts.push(if bind.is_ipv6() { format!("[{bind}]") } else { bind.to_string() });
         }
-        // A browser leaves out the port of HTTP.
-        let short = if port == 80 { hosts.clone() } else { Vec::new() };
-        let names = hosts.iter().map(|host| format!("{host}:{port}")).chain(short).collect();
+        let names = hosts.iter().map(|host| format!("{host}:{port}")).collect();
         Self { names }
     }
 
@@ -64,7 +62,7 @@ mod tests {
 
     #[test]
     fn every_address_is_no_name() {
-        let guard = Guard::new([0, 0, 0, 0].into(), 80, &[]);
-        assert!(!knows(&guard, Some("0.0.0.0:80")) && knows(&guard, Some("localhost")));
+        let guard = Guard::new([0, 0, 0, 0].into(), 9465, &[]);
+        assert!(!knows(&guard, Some("0.0.0.0:9465")) && knows(&guard, Some("localhost:9465")));
     }
 }

@@ -4,7 +4,7 @@ use std::net::{IpAddr, Ipv4Addr};
 use std::path::PathBuf;
 
 use crate::config::keys::Keys;
-use crate::config::value::{Text, several, within};
+use crate::config::value::{Text, counted_within, several};
 
 /// `[board]`: pages for the worker and for the technician.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,7 +56,7 @@ impl Board {
         k.key(
             "port",
             &mut self.port,
-            within(1, 65_535, ""),
+            counted_within(1024, 65_535, "one below needs a privilege that this role does not have"),
             "The TCP port. Each station of a PC needs one of its own.",
         );
         k.key(
