@@ -3,13 +3,14 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use rusqlite::{Connection, OpenFlags, Row, params};
+use rusqlite::{Connection, OpenFlags, Row, ffi, params};
 use shm_schemas::{PartId, Verdict};
 
 use super::audit::AuditEntry;
 use super::csv;
 use super::entry::{Entry, Gap, NotWatching};
 use super::error::JournalError;
+use super::place;
 use super::row::{after, read_verdict, signed, unsigned};
 
 /// Which verdicts to read.
@@ -59,6 +60,25 @@ impl History {
         let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
         let connection =
             Connection::open_with_flags(path, flags).map_err(|source| JournalError::of(path, 0, source))?;
+        Ok(Self { connection, path: path.into() })
+    }
+
+    /// Opens a journal that is being written, without the right to write anything beside it. Of the write-ahead log and its index, which the writer
+    /// makes, nothing is made, changed or recovered.
+    ///
+    /// # Errors
+    /// As [`History::open`]; [`JournalError::Open`], here or while it is read, also where no log is there yet, or its index is being made.
+    pub fn open_read_only(path: &Path) -> Result<Self, JournalError> {
+        JournalError::unless_file(path)?;
+        let failed = |source| JournalError::of(path, 0, source);
+        // SQLite makes a log that is missing, also for a reader, where the system lets it.
+        if !place::has_log(path) {
+            return Err(failed(no_log()));
+        }
+        let flags =
+            OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
+        let connection =
+            Connection::open_with_flags(place::uri(path, "readonly_shm=1"), flags).map_err(failed)?;
         Ok(Self { connection, path: path.into() })
     }
 
@@ -164,6 +184,11 @@ impl History {
         }
         Ok(())
     }
+}
+
+fn no_log() -> rusqlite::Error {
+    let cause = ffi::Error::new(ffi::SQLITE_CANTOPEN);
+    rusqlite::Error::SqliteFailure(cause, Some("it has no log: nobody writes it".to_owned()))
 }
 
 fn entry(row: &Row<'_>) -> rusqlite::Result<Entry> {

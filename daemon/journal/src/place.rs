@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::io;
+use std::os::unix::ffi::OsStrExt as _;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
@@ -16,6 +17,16 @@ pub(super) fn identity(path: &Path) -> Option<(u64, u64)> {
 /// Whether the write-ahead log lies beside the database. While a connection is open and has written, it does.
 pub(super) fn has_log(path: &Path) -> bool {
     companion(path, COMPANIONS[0]).exists()
+}
+
+/// The address of the database for SQLite, with a parameter. Whatever may mean something in an address is written in hexadecimal digits.
+pub(super) fn uri(path: &Path, parameter: &str) -> String {
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/._-".contains(&byte);
+    let bytes = path.as_os_str().as_bytes().iter();
+    let escaped: String = bytes
+        .map(|byte| if plain(*byte) { char::from(*byte).to_string() } else { format!("%{byte:02x}") })
+        .collect();
+    format!("file:{escaped}?{parameter}")
 }
 
 /// Renames the database and what lies beside it. Returns the new name, which no file had.

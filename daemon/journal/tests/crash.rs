@@ -136,3 +136,53 @@ fn a_full_disk_refuses_verdicts_and_keeps_those_that_were_confirmed() {
     journal.flush().unwrap();
     assert!(verdicts(&path).contains(&(1, next)));
 }
+
+/// How many verdicts a reader sees that may write nothing.
+fn read_only(path: &Path) -> Result<usize, andon_journal::JournalError> {
+    let mut count = 0;
+    let visit = |entry| {
+        count += usize::from(matches!(entry, Entry::Verdict(_)));
+        Ok(())
+    };
+    History::open_read_only(path)?.visit(&Query::default(), visit)?;
+    Ok(count)
+}
+
+/// The files of a folder, with their sizes and the times of their last change.
+fn files(folder: &Path) -> BTreeSet<(std::ffi::OsString, u64, std::time::SystemTime)> {
+    let entries = std::fs::read_dir(folder).unwrap().map(Result::unwrap);
+    let told = entries.map(|entry| {
+        let meta = entry.metadata().unwrap();
+        (entry.file_name(), meta.len(), meta.modified().unwrap())
+    });
+    told.collect()
+}
+
+#[test]
+fn a_reader_without_the_right_to_write_sees_what_a_living_and_a_killed_writer_have_confirmed_and_changes_no_file()
+ {
+    let dir = tempfile::tempdir().unwrap();
+    // The name has what means something in an address.
+    let path = dir.path().join("j 1%3f?#.sqlite");
+    assert!(matches!(read_only(&path), Err(andon_journal::JournalError::Open { .. })), "there is none");
+    let mut writer = child(&path, 1, "").spawn().unwrap();
+    let mut lines = BufReader::new(writer.stdout.take().unwrap()).lines().map_while(Result::ok);
+    for _ in 0..20 {
+        let confirmed = lines.by_ref().find_map(|line| confirmed(&line)).unwrap();
+        let seen = read_only(&path).unwrap();
+        assert!(seen as u64 >= confirmed, "{seen} of {confirmed}");
+    }
+    writer.kill().unwrap();
+    writer.wait().unwrap();
+    let promised = lines.filter_map(|line| confirmed(&line)).last().unwrap_or_default();
+    let before = files(dir.path());
+    let seen = read_only(&path).unwrap();
+    assert!(seen as u64 >= promised, "{seen} of {promised}");
+    assert_eq!(files(dir.path()), before, "of a killed writer");
+
+    // Whoever closes it last takes the log with it.
+    drop(Journal::open(&path, KEEP).unwrap());
+    let before = files(dir.path());
+    assert!(matches!(read_only(&path), Err(andon_journal::JournalError::Open { .. })), "nobody writes it");
+    assert_eq!(files(dir.path()), before, "of nobody");
+}
