@@ -122,6 +122,14 @@ fn only_capture_sees_devices_and_only_plc_metrics_and_board_see_the_network() {
 }
 
 #[test]
+fn the_board_may_write_nothing_but_what_all_roles_share() {
+    let unit = std::fs::read_to_string(shipped().join("andon-board@.service")).unwrap();
+    for setting in ["Directory=", "ReadWritePaths=", "ProtectSystem=", "BindPaths="] {
+        assert!(!unit.contains(setting), "{setting}");
+    }
+}
+
+#[test]
 fn a_role_that_ends_by_itself_is_always_started_again_unless_that_cannot_help() {
     let common = std::fs::read_to_string(shipped().join("andon-@.service.d/10-common.conf")).unwrap();
     for line in ["Restart=always", "RestartPreventExitStatus=64 78", "StartLimitIntervalSec=0"] {

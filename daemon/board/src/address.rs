@@ -78,6 +78,12 @@ impl Address {
         Self::new(page.unwrap_or_default(), query)
     }
 
+    /// The name that a browser has given itself, which all its tabs have; empty where it has none.
+    pub(crate) fn browser(query: &str) -> &str {
+        let mut values = query.split('&').filter_map(|pair| pair.strip_prefix("browser="));
+        values.next().filter(|name| is_plain(name)).unwrap_or_default()
+    }
+
     /// Where the events of this page are.
     pub(crate) fn events(&self) -> String {
         format!("/events?view={}{}", self.page.name(), self.query('&'))
@@ -108,6 +114,14 @@ mod tests {
         assert_eq!(Address::of_events(events.split_once('?').map_or("", |(_, query)| query)), address);
         assert_eq!(Address::of_events("view=nothing"), Address::default());
         assert_eq!(Address::default().link(), "/");
+    }
+
+    #[test]
+    fn the_name_of_a_browser_is_no_part_of_what_its_page_shows() {
+        let query = "view=technician&at=17-4&browser=k3v9";
+        assert_eq!(Address::browser(query), "k3v9");
+        assert_eq!(Address::of_events(query), Address::of_events("view=technician&at=17-4"));
+        assert_eq!(["view=worker", "browser=%3Cscript", ""].map(Address::browser), ["", "", ""]);
     }
 
     #[test]

@@ -137,26 +137,31 @@ impl Board {
         self.judging.is_some_and(|judging| judging.phase == JudgePhase::Running.code())
     }
 
-    /// A verdict that the journal has, from before the board began. They come in their order, and before any of the channel.
-    pub fn past(&mut self, verdict: &Verdict) {
-        self.pieces.count(verdict);
-        self.keep(verdict);
+    /// Whether it keeps this verdict to be looked for: right contacts and steps are none of that.
+    #[must_use]
+    pub fn keeps(verdict: &Verdict) -> bool {
+        page::is_event(verdict)
+    }
+
+    /// What the journal has of those that the board keeps, in their order. What has come from the channel meanwhile follows.
+    pub fn past(&mut self, past: &[Verdict]) {
+        let came = std::mem::take(&mut self.events);
+        self.pieces = self.pieces.uncounted();
+        past.iter().chain(came.iter().rev()).for_each(|verdict| self.keep(verdict));
         self.version += 1;
     }
 
     /// A verdict from the channel, which may have come from the journal already.
     pub fn verdict(&mut self, verdict: &Verdict) {
         self.piece.take(verdict, self.is_running());
-        let id = verdict.stamp.id();
-        if !self.events.iter().any(|event| event.stamp.id() == id) {
-            self.past(verdict);
-        }
+        self.keep(verdict);
         self.version += 1;
     }
 
-    /// Keeps what people look for: right contacts and steps are none of that.
     fn keep(&mut self, verdict: &Verdict) {
-        if page::is_event(verdict) {
+        let id = verdict.stamp.id();
+        if Self::keeps(verdict) && !self.events.iter().any(|event| event.stamp.id() == id) {
+            self.pieces.count(verdict);
             self.events.truncate(EVENTS - 1);
             self.events.push_front(*verdict);
         }
@@ -216,7 +221,7 @@ impl Board {
             }
             "/board.css" => Response::ok("text/css; charset=utf-8", STYLE),
             "/board.js" => Response::ok("text/javascript; charset=utf-8", SCRIPT),
-            "/events" => self.watch(Address::of_events(&request.query)),
+            "/events" => self.watch(&request.query),
             path => match Page::at(path) {
                 Some(page) => self.page(&Address::new(page, &request.query)),
                 None => Response::text(404, "the board is at / and at /technician\n"),
@@ -232,12 +237,13 @@ impl Board {
         Response::ok(HTML, page::whole(self, address))
     }
 
-    fn watch(&mut self, address: Address) -> Response {
-        if !self.watchers.have_room() {
+    fn watch(&mut self, query: &str) -> Response {
+        let browser = Address::browser(query);
+        if !self.watchers.make_room(browser) {
             return Response::text(503, "as many browsers watch already as can be served\n");
         }
         let (response, feed) = Response::feed("text/event-stream");
-        self.watchers.add(feed, address);
+        self.watchers.add(feed, Address::of_events(query), browser);
         response
     }
 
@@ -257,5 +263,29 @@ impl Board {
 
     pub(crate) fn clip_of(&self, verdict: MessageId) -> Option<&str> {
         self.clips.of(verdict)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sample::{right, settings};
+    use shm_schemas::VerdictLevel;
+
+    fn piece(seq: u64) -> Verdict {
+        let mut verdict = right(VerdictLevel::Job, 0);
+        verdict.stamp.seq = seq;
+        verdict
+    }
+
+    #[test]
+    fn what_the_journal_has_stands_before_what_came_meanwhile_and_counts_once() {
+        let mut board = Board::new(settings());
+        board.verdict(&piece(3));
+        board.verdict(&piece(4));
+        board.past(&[1, 2, 3].map(piece));
+        board.verdict(&piece(4));
+        let order: Vec<u64> = board.events.iter().map(|event| event.stamp.seq).collect();
+        assert_eq!((order.as_slice(), board.pieces.good), ([4, 3, 2, 1].as_slice(), 4));
     }
 }

@@ -20,6 +20,11 @@ impl Pieces {
         }
     }
 
+    /// The same day, of which nothing was counted yet.
+    pub(crate) fn uncounted(self) -> Self {
+        Self { began_utc_ns: self.began_utc_ns, ..Self::default() }
+    }
+
     /// Counts a verdict, if it is one on a piece of today.
     pub(crate) fn count(&mut self, verdict: &Verdict) {
         if verdict.level() != Ok(VerdictLevel::Job) || verdict.decided_utc_ns < self.began_utc_ns {

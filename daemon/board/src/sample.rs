@@ -1,8 +1,27 @@
 //! A job of two steps and a verdict on it, for the tests of what people read.
 
+use std::net::{IpAddr, Ipv4Addr};
+
 use shm_schemas::{Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
 
+use crate::board::Settings;
 use crate::job::{Job, Step};
+use crate::words::Tables;
+
+/// What a board is given.
+pub(crate) fn settings() -> Settings {
+    Settings {
+        station: "bench1".to_owned(),
+        bind: IpAddr::V4(Ipv4Addr::LOCALHOST),
+        port: 9465,
+        hosts: Vec::new(),
+        tables: Tables::shipped(),
+        language: "en".to_owned(),
+        roles: Vec::new(),
+        meaning: |_| None,
+        local_time: |utc_ns| utc_ns.to_string(),
+    }
+}
 
 /// Polish with the polisher (5) at the brick (6), then measure the brick at the meter (3).
 pub(crate) fn job() -> Job {

@@ -6,8 +6,11 @@ use andon_http::{Bytes, Feed};
 
 use crate::address::{Address, Page};
 
-/// Browsers that watch at once; the server has as many places again for requests.
+/// Pages that are watched at once; the server has as many places again for requests.
 const MOST: usize = 32;
+
+/// Pages that one browser watches at once. It keeps six connections to one place, so that with a sixth feed it could load nothing more.
+const OF_ONE_BROWSER: usize = 5;
 
 /// How often a browser hears that the board is there, if nothing else is to be said. A page calls its server lost after three of these.
 const BEAT_NS: u64 = 250_000_000;
@@ -17,6 +20,9 @@ const CALM_NS: u64 = 1_000_000_000;
 
 /// What says that the board is there.
 const ALIVE: &str = "event: alive\ndata: 1\n\n";
+
+/// What says that other pages of the same browser are watched instead.
+const ELSEWHERE: &str = "event: elsewhere\ndata: 1\n\n";
 
 /// How soon a browser connects again by itself, in milliseconds.
 const RETRY: &str = "retry: 500\n\n";
@@ -29,6 +35,7 @@ pub(crate) struct Watchers(Vec<Watcher>);
 struct Watcher {
     feed: Feed,
     address: Address,
+    browser: String,
     /// What its page shows, as the message that says so.
     shown: Bytes,
     /// The state of the board of which that is.
@@ -38,8 +45,16 @@ struct Watcher {
 }
 
 impl Watchers {
-    /// Whether one more may come.
-    pub(crate) fn have_room(&self) -> bool {
+    /// Whether one more page of this browser may come. The oldest of a browser makes way for its newest: it is the one that nobody looks at, or has
+    /// lost its connection. All that give no name are one browser.
+    pub(crate) fn make_room(&mut self, browser: &str) -> bool {
+        let is_own = |watcher: &&Watcher| watcher.browser == browser;
+        if self.0.iter().filter(is_own).count() >= OF_ONE_BROWSER
+            && let Some(oldest) = self.0.iter().position(|watcher| watcher.browser == browser)
+        {
+            // It may have gone.
+            let _ = self.0.remove(oldest).feed.send(ELSEWHERE);
+        }
         self.0.len() < MOST
     }
 
@@ -48,10 +63,10 @@ impl Watchers {
         self.0.iter().any(|watcher| watcher.address.page == page)
     }
 
-    pub(crate) fn add(&mut self, feed: Feed, address: Address) {
+    pub(crate) fn add(&mut self, feed: Feed, address: Address, browser: &str) {
         if feed.send(RETRY) {
-            let (shown, version) = (Bytes::new(), None);
-            self.0.push(Watcher { feed, address, shown, version, told_ns: 0, drawn_ns: 0 });
+            let (browser, shown, version) = (browser.to_owned(), Bytes::new(), None);
+            self.0.push(Watcher { feed, address, browser, shown, version, told_ns: 0, drawn_ns: 0 });
         }
     }
 
@@ -107,7 +122,7 @@ mod tests {
         let _responses: Vec<_> = [&worker, &technician, &worker, &worker]
             .map(|address| {
                 let (response, feed) = Response::feed("text/event-stream");
-                watchers.add(feed, address.clone());
+                watchers.add(feed, address.clone(), "");
                 response
             })
             .into();
@@ -120,5 +135,25 @@ mod tests {
         assert_eq!(*drawn.borrow(), [Page::Worker, Page::Technician]);
         watchers.tell(1, 2 * CALM_NS, draw);
         assert_eq!((drawn.borrow().len(), watchers.0.len()), (2, 4), "nothing has changed");
+    }
+
+    #[test]
+    fn the_oldest_page_of_a_browser_makes_way_for_its_newest_and_no_other_browser_does() {
+        let mut watchers = Watchers::default();
+        let mut responses = Vec::new();
+        let mut come = |watchers: &mut Watchers, browser: &str| {
+            let has_room = watchers.make_room(browser);
+            let (response, feed) = Response::feed("text/event-stream");
+            watchers.add(feed, Address::default(), browser);
+            responses.push(response);
+            has_room
+        };
+        assert!(come(&mut watchers, "other"));
+        assert!((0..2 * OF_ONE_BROWSER).all(|_| come(&mut watchers, "one")));
+        assert_eq!(watchers.0.len(), 1 + OF_ONE_BROWSER);
+        assert_eq!(watchers.0[0].browser, "other");
+        assert!((watchers.0.len()..MOST).all(|number| come(&mut watchers, &number.to_string())));
+        assert!(!watchers.make_room("more"), "all places are taken");
+        assert!(watchers.make_room("one"), "it takes its own");
     }
 }

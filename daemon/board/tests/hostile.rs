@@ -312,7 +312,8 @@ fn a_page_that_is_watched_shows_a_verdict_beside_a_thousand_connections_and_slow
             let _ = client.write_all(b"GET / HT");
         }
         // They watch, and read nothing.
-        let deaf: Vec<_> = (0..10).map(|_| watch(port, "view=technician")).collect();
+        let deaf: Vec<_> =
+            (0..10).map(|name| watch(port, &format!("view=technician&browser={name}"))).collect();
         let silent: Vec<TcpStream> = (0..1000).map(|_| connect(port)).collect();
         let mut right = Verdict {
             outcome: VerdictOutcome::Ok.code(),
@@ -332,7 +333,8 @@ fn a_page_that_is_watched_shows_a_verdict_beside_a_thousand_connections_and_slow
 #[test]
 fn more_browsers_than_can_be_served_are_told_so_and_the_first_go_on() {
     served(|port, _| {
-        let mut browsers: Vec<_> = (0..32).map(|_| watch(port, "view=worker")).collect();
+        let mut browsers: Vec<_> =
+            (0..32).map(|name| watch(port, &format!("view=worker&browser={name}"))).collect();
         for browser in &mut browsers {
             until(browser, "event: show");
         }
@@ -350,6 +352,17 @@ fn more_browsers_than_can_be_served_are_told_so_and_the_first_go_on() {
             }
             assert!(Instant::now() < until_there_is_room, "a browser that has left keeps its place");
             std::thread::sleep(Duration::from_millis(50));
+        }
+    });
+}
+
+#[test]
+fn a_page_whose_place_another_one_of_its_browser_takes_is_told_so() {
+    served(|port, _| {
+        let mut pages: Vec<_> = (0..6).map(|_| watch(port, "view=worker&browser=one")).collect();
+        until(&mut pages[0], "event: elsewhere");
+        for page in &mut pages[1..] {
+            until(page, "event: show");
         }
     });
 }

@@ -10,10 +10,40 @@ const RENEW_MS = 3000;
 const LOOK_MS = 50;
 
 const lost = /** @type {HTMLElement} */ (document.getElementById("lost"));
-const address = document.body.dataset.events ?? "/events";
+const elsewhere = /** @type {HTMLElement} */ (document.getElementById("elsewhere"));
+const address = `${document.body.dataset.events}&browser=${browser()}`;
 let heard = performance.now();
 let opened = heard;
-let source = connect();
+/** @type {EventSource | null} */
+let source = null;
+
+/** The name of this browser. It keeps six connections to one place for all its tabs, so the server limits the feeds of each name. */
+function browser() {
+    const fresh = Math.random().toString(36).slice(2);
+    try {
+        const known = localStorage.getItem("browser") ?? fresh;
+        localStorage.setItem("browser", known);
+        return known;
+    } catch {
+        return fresh;
+    }
+}
+
+/** Begins to watch, if somebody can see this page and it does not watch. */
+function watch() {
+    if (source || document.hidden) {
+        return;
+    }
+    elsewhere.hidden = true;
+    heard = performance.now();
+    source = connect();
+}
+
+function rest() {
+    source?.close();
+    source = null;
+    lost.hidden = true;
+}
 
 function connect() {
     const stream = new EventSource(address);
@@ -22,6 +52,10 @@ function connect() {
     stream.addEventListener("show", (message) => {
         hear();
         show(message.data);
+    });
+    stream.addEventListener("elsewhere", () => {
+        rest();
+        elsewhere.hidden = false;
     });
     return stream;
 }
@@ -56,6 +90,9 @@ function replace(shown, fresh) {
 }
 
 function look() {
+    if (!source) {
+        return;
+    }
     const now = performance.now();
     lost.hidden = now - heard < SILENT_MS;
     const isSilent = now - Math.max(heard, opened) > RENEW_MS;
@@ -66,4 +103,10 @@ function look() {
     }
 }
 
+// A page that nobody sees gives its connection back. One that made way for another watches again once somebody turns to it.
+document.addEventListener("visibilitychange", () => (document.hidden ? rest() : watch()));
+for (const turned of ["focus", "pointerdown", "keydown"]) {
+    addEventListener(turned, watch);
+}
+watch();
 setInterval(look, LOOK_MS);

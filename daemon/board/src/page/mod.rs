@@ -56,8 +56,17 @@ pub(crate) fn whole(board: &Board, address: &Address) -> String {
 
 /// What a page shows by itself once it does not hear the board.
 fn lost(html: &mut Html, words: &Table) {
-    html.raw("<div id=\"lost\" role=\"alert\" hidden><p class=\"word long\">").text(words.say("label.lost"));
-    html.element("</p><p>", words.say("label.lost_help"), "</p></div>");
+    for (open, word, help) in [
+        ("<div id=\"lost\" class=\"over\" role=\"alert\" hidden>", "label.lost", "label.lost_help"),
+        (
+            "<div id=\"elsewhere\" class=\"over\" role=\"alert\" hidden>",
+            "label.elsewhere",
+            "label.elsewhere_help",
+        ),
+    ] {
+        html.raw(open).element("<p class=\"word long\">", words.say(word), "</p>");
+        html.element("<p>", words.say(help), "</p></div>");
+    }
 }
 
 /// The way to the other page and to the other languages.

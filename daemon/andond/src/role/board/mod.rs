@@ -3,8 +3,10 @@
 //! It only reads, and nothing waits for it: the line goes on without it as before. What the pages show is made by the crate `andon-board`. This role
 //! feeds it with the channels, the journal, the names in the job in force, and the clock.
 //!
-//! As in `metrics`, the server reads and writes in a thread of its own, and the loop answers. A disk may be slow, so clips are looked for in a thread as
-//! well.
+//! As in `metrics`, the server reads and writes in a thread of its own, and the loop answers. A disk may be slow, so the journal is read and clips are
+//! looked for in threads as well.
+
+mod past;
 
 use std::net::SocketAddr;
 use std::path::Path;
@@ -17,15 +19,14 @@ use andon_host::log::{code, log};
 use andon_host::role::{Cycle, Role, Turn};
 use andon_http::Server;
 use andon_ipc::{MonotonicTime, Node, Port, Reader, Wake};
-use andon_journal::{Entry, History, JournalError, Query};
 use andon_learn::job_file::JobFile;
 use andon_plc::handshake::{Fault, Line as PlcLine};
 use andon_record::store;
 use jiff::tz::TimeZone;
 use jiff::{Timestamp, Zoned};
+use past::Past;
 use shm_schemas::{Health, Judging, RoleId, RoleState, Sight, Verdict};
 
-use super::error::report_journal;
 use super::line::LineHealth;
 use super::{RoleError, disabled, jobs};
 use crate::sight;
@@ -41,9 +42,6 @@ const LOOK_FOR_CLIPS: Duration = Duration::from_secs(5);
 
 /// A line that starts for so long does not watch, and the worker must know. The models of `perceive` are loaded in less.
 const STARTS: Duration = Duration::from_secs(10);
-
-/// What the technician finds of the time before the board began, at least.
-const BEFORE: Duration = Duration::from_secs(24 * 3600);
 
 /// Runs until it is asked to stop.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
@@ -65,6 +63,7 @@ struct Pages<'c> {
     judging: Reader<Judging>,
     health: Reader<Health>,
     inbox: Inbox,
+    past: Past,
     line: LineHealth,
     /// Since when the line starts.
     starting: Option<Instant>,
@@ -115,7 +114,7 @@ impl<'c> Pages<'c> {
         let address = SocketAddr::new(config.board.bind, config.board.port);
         let server = Server::bind(address).map_err(|source| RoleError::Board { address, source })?;
         let node = cycle.node();
-        let mut role = Self {
+        let role = Self {
             config,
             server,
             board: Board::new(settings),
@@ -123,6 +122,7 @@ impl<'c> Pages<'c> {
             judging: node.reader()?,
             health: node.reader()?,
             inbox: Inbox::default(),
+            past: Past::new(config.journal_path()),
             line: LineHealth::new(config),
             starting: None,
             ended: Vec::new(),
@@ -132,31 +132,9 @@ impl<'c> Pages<'c> {
             looked_for_clips: None,
             search: None,
         };
-        role.remember();
         log!(code::BOARD_LISTENING, { address = %address }, "the board at http://{address}/");
         cycle.stepped(began);
         Ok(role)
-    }
-
-    /// Reads what happened before the board began. Without a journal the channels have the newest.
-    fn remember(&mut self) {
-        self.board.day(midnight_utc_ns());
-        let path = self.config.journal_path();
-        let before = Timestamp::now() - BEFORE;
-        let since_utc_ns = Some(midnight_utc_ns().min(nanoseconds(before)));
-        let read = History::open(&path).and_then(|history| {
-            history.visit(&Query { since_utc_ns, ..Query::default() }, |entry| {
-                if let Entry::Verdict(verdict) = entry {
-                    self.board.past(&verdict);
-                }
-                Ok(())
-            })
-        });
-        match read {
-            // The journal of a new station is made by its role.
-            Ok(()) | Err(JournalError::Open { .. } | JournalError::NotFile { .. }) => (),
-            Err(error) => report_journal(&error),
-        }
     }
 
     /// Takes everything that the judge has said until now, in the order in which it said it.
@@ -200,11 +178,14 @@ impl<'c> Pages<'c> {
         Ok(())
     }
 
-    /// Looks how the line is, which day it is, and which clips there are.
+    /// Looks how the line is, which day it is, what was before it, and which clips there are.
     fn look(&mut self, now: MonotonicTime) {
         if is_due(&mut self.looked, LOOK) {
             self.line.departed(now);
             self.board.day(midnight_utc_ns());
+        }
+        if let Some(past) = self.past.take() {
+            self.board.past(&past);
         }
         let line = self.line.line(now);
         let line = self.shown(line);

@@ -1,0 +1,75 @@
+//! What happened before the board began, from the journal. It is read in a thread, because a disk may be slow, and without the right to write.
+//!
+//! Such a reader needs the log that the role `journal` makes. Both roles start at once, so it is tried until the log is there.
+
+use std::path::{Path, PathBuf};
+use std::thread::{Builder, JoinHandle};
+use std::time::{Duration, Instant};
+
+use andon_board::Board;
+use andon_journal::{Entry, History, JournalError, Query};
+use jiff::Timestamp;
+use shm_schemas::Verdict;
+
+use super::super::error::report_journal;
+use super::{is_due, midnight_utc_ns, nanoseconds};
+
+/// What the technician finds of the time before the board began, at least.
+const BEFORE: Duration = Duration::from_secs(24 * 3600);
+
+/// How often it is tried.
+const TRY: Duration = Duration::from_secs(1);
+
+type Read = Result<Vec<Verdict>, JournalError>;
+
+/// The past, which is read once.
+pub(super) struct Past {
+    path: PathBuf,
+    tried: Option<Instant>,
+    reading: Option<JoinHandle<Read>>,
+    is_over: bool,
+}
+
+impl Past {
+    pub(super) fn new(path: PathBuf) -> Self {
+        Self { path, tried: None, reading: None, is_over: false }
+    }
+
+    /// The verdicts that the board keeps, as soon as they were read.
+    pub(super) fn take(&mut self) -> Option<Vec<Verdict>> {
+        let joined = self.reading.take_if(|reading| reading.is_finished()).map(JoinHandle::join);
+        let past = joined.and_then(|joined| self.finish(joined.ok()?));
+        if !self.is_over && self.reading.is_none() && is_due(&mut self.tried, TRY) {
+            let path = self.path.clone();
+            // Without a thread it is tried again.
+            self.reading = Builder::new().name("past".into()).spawn(move || read(&path)).ok();
+        }
+        past
+    }
+
+    fn finish(&mut self, read: Read) -> Option<Vec<Verdict>> {
+        match read {
+            Err(JournalError::Open { .. } | JournalError::NotFile { .. } | JournalError::Locked { .. }) => {
+                return None;
+            }
+            Err(ref error) => report_journal(error),
+            Ok(_) => (),
+        }
+        self.is_over = true;
+        read.ok()
+    }
+}
+
+fn read(path: &Path) -> Read {
+    let since_utc_ns = midnight_utc_ns().min(nanoseconds(Timestamp::now() - BEFORE));
+    let query = Query { since_utc_ns: Some(since_utc_ns), ..Query::default() };
+    let mut past = Vec::new();
+    History::open_read_only(path)?.visit(&query, |entry| {
+        past.extend(match entry {
+            Entry::Verdict(verdict) if Board::keeps(&verdict) => Some(*verdict),
+            _ => None,
+        });
+        Ok(())
+    })?;
+    Ok(past)
+}
