@@ -12,8 +12,10 @@ use crate::guard::Guard;
 use crate::job::Job;
 use crate::line::Line;
 use crate::page;
+use crate::picture::Picture;
 use crate::piece::Piece;
 use crate::pieces::Pieces;
+use crate::viewers::Viewers;
 use crate::watchers::Watchers;
 use crate::words::{Table, Tables};
 
@@ -31,7 +33,7 @@ const SCRIPT: &str = include_str!("page/board.js");
 const SAFETY: &[(&str, &str)] = &[
     (
         "content-security-policy",
-        "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'self'; \
+        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'self'; \
          frame-ancestors 'none'",
     ),
     ("x-content-type-options", "nosniff"),
@@ -56,6 +58,8 @@ pub struct Settings {
     pub tables: Tables,
     /// The code of the language of a page whose address names none.
     pub language: String,
+    /// Whether the camera's picture is shown to the technician.
+    pub picture: bool,
     /// The roles of the station, in the order of the data path.
     pub roles: Vec<RoleId>,
     /// The meaning of a code of the log.
@@ -82,6 +86,7 @@ pub struct Board {
     pub(crate) healths: Vec<Health>,
     pub(crate) clips: Clips,
     watchers: Watchers,
+    viewers: Viewers,
     /// Changes with whatever a page may show.
     version: u64,
     /// When somebody asked for the list of events.
@@ -107,6 +112,7 @@ impl Board {
             healths: Vec::new(),
             clips: Clips::default(),
             watchers: Watchers::default(),
+            viewers: Viewers::default(),
             version: 0,
             asked_ns: None,
             now_ns: 0,
@@ -200,6 +206,18 @@ impl Board {
         asked || self.watchers.look_at(Page::Technician)
     }
 
+    /// Whether a browser waits for the camera's picture.
+    #[must_use]
+    pub fn wants_picture(&self) -> bool {
+        !self.viewers.is_empty()
+    }
+
+    /// The camera's picture as it is now. All who wait for one get it.
+    pub fn picture(&mut self, picture: &Picture) {
+        let viewers = std::mem::take(&mut self.viewers);
+        viewers.show(|address| page::drawn(self, address, picture));
+    }
+
     /// Sends the browsers what has changed. The time is that of CLOCK_MONOTONIC.
     pub fn publish(&mut self, now_ns: u64) {
         let before = page::state(self);
@@ -208,6 +226,7 @@ impl Board {
         let mut watchers = std::mem::take(&mut self.watchers);
         watchers.tell(self.version, now_ns, |address| page::view(self, address));
         self.watchers = watchers;
+        self.viewers.give_up(now_ns);
     }
 
     /// Answers a browser.
@@ -222,6 +241,7 @@ impl Board {
             "/board.css" => Response::ok("text/css; charset=utf-8", STYLE),
             "/board.js" => Response::ok("text/javascript; charset=utf-8", SCRIPT),
             "/events" => self.watch(&request.query),
+            "/picture.svg" if self.settings.picture => self.view(&request.query),
             path => match Page::at(path) {
                 Some(page) => self.page(&Address::new(page, &request.query)),
                 None => Response::text(404, "the board is at / and at /technician\n"),
@@ -244,6 +264,16 @@ impl Board {
         }
         let (response, feed) = Response::feed("text/event-stream");
         self.watchers.add(feed, Address::of_events(query), browser);
+        response
+    }
+
+    /// The picture comes as soon as there is one.
+    fn view(&mut self, query: &str) -> Response {
+        if !self.viewers.have_room() {
+            return Response::text(503, "as many browsers wait for a picture as can be served\n");
+        }
+        let (response, feed) = Response::feed("image/svg+xml");
+        self.viewers.add(feed, Address::new(Page::Technician, query), self.now_ns);
         response
     }
 

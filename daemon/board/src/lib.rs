@@ -7,7 +7,7 @@
 //! # Why a browser can do no harm
 //!
 //! - Nothing can be changed: only GET and HEAD are served, and there is no other effect than an answer.
-//! - A path is compared with five known ones and never becomes a file name.
+//! - A path is compared with six known ones and never becomes a file name.
 //! - Of a query only letters, digits, dots, dashes and underscores are read ([`address`]).
 //! - What stands on a page is either a constant of this crate or escaped: [`html::Html`] takes nothing else.
 //! - A page of another site cannot read it by a trick of its DNS ([`guard`]), cannot load or frame a part of it, and runs no script on it.
@@ -22,11 +22,13 @@ mod inbox;
 mod job;
 mod line;
 mod page;
+mod picture;
 mod piece;
 mod pieces;
 #[cfg(test)]
 mod sample;
 mod told;
+mod viewers;
 mod watchers;
 mod words;
 
@@ -35,4 +37,5 @@ pub use clips::Clips;
 pub use inbox::{Inbox, Said};
 pub use job::{Job, Step};
 pub use line::{Line, Stop};
+pub use picture::{Picture, Thing, Visibility, What};
 pub use words::{TableError, Tables};

@@ -17,6 +17,7 @@ pub(crate) fn settings() -> Settings {
         hosts: Vec::new(),
         tables: Tables::shipped(),
         language: "en".to_owned(),
+        picture: true,
         roles: Vec::new(),
         meaning: |_| None,
         local_time: |utc_ns| utc_ns.to_string(),

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{LazyLock, Mutex};
 use std::time::{Duration, Instant};
 
-use andon_board::{Board, Job, Line, Settings, Step, Tables};
+use andon_board::{Board, Job, Line, Picture, Settings, Step, Tables, Thing, Visibility, What};
 use andon_http::Server;
 use shm_schemas::{
     JudgePhase, Judging, PartId, RoleId, Verdict, VerdictLevel, VerdictOutcome, VerdictReason,
@@ -34,6 +34,7 @@ fn settings(port: u16) -> Settings {
         hosts: Vec::new(),
         tables: Tables::shipped(),
         language: "en".to_owned(),
+        picture: true,
         roles: vec![RoleId::Judge],
         meaning: |_| None,
         local_time: |_| MARKUP.to_owned(),
@@ -257,7 +258,7 @@ fn names_that_are_markup_and_queries_that_are_markup_are_text_on_every_page() {
                 // Hyper refuses some of these by itself.
                 assert!(head.starts_with("HTTP/1.1 200 ") || head.starts_with("HTTP/1.1 400 "), "{answer}");
                 let scripts = page.matches("<script").count();
-                assert!(scripts <= 1 && !page.contains("<img"), "{path}{query}: {page}");
+                assert!(scripts <= 1 && !page.contains("<img src=x"), "{path}{query}: {page}");
             }
         }
         let page = get(port, "/technician");
@@ -273,12 +274,37 @@ fn names_that_are_markup_and_queries_that_are_markup_are_text_on_every_page() {
 }
 
 #[test]
+fn names_that_are_markup_are_text_in_the_picture_and_whoever_waits_in_vain_is_let_go() {
+    served(|port, board| {
+        std::thread::scope(|scope| {
+            let asked = scope.spawn(|| get(port, "/picture.svg?lang=<script>"));
+            let deadline = Instant::now() + PATIENCE;
+            while !board.lock().unwrap().wants_picture() {
+                assert!(Instant::now() < deadline, "nobody asks");
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            let lines = vec![[[1.0, 2.0], [3.0, f32::NAN]]];
+            let thing = Thing { what: What::Part(5), visibility: Visibility::Seen, lines };
+            let unseen = Thing { what: What::Part(6), visibility: Visibility::Unseen, lines: Vec::new() };
+            let picture = Picture { jpeg: vec![7], size: [64, 48], things: vec![thing, unseen] };
+            board.lock().unwrap().picture(&picture);
+            let answer = asked.join().unwrap();
+            assert!(answer.contains("content-type: image/svg+xml") && answer.contains("</svg>"), "{answer}");
+            assert!(!answer.contains("<script") && !answer.contains("<img"), "{answer}");
+            assert_eq!(answer.matches("&quot;&gt;&lt;script&gt;").count(), 2, "{answer}");
+        });
+        let answer = get(port, "/picture.svg");
+        assert!(answer.starts_with("HTTP/1.1 200 ") && !answer.contains("<svg"), "{answer}");
+    });
+}
+
+#[test]
 fn every_answer_forbids_whatever_the_pages_do_not_need() {
     served(|port, _| {
         for path in ["/", "/technician?lang=fr", "/board.css", "/board.js", "/nothing"] {
             let answer = get(port, path);
             for header in [
-                "content-security-policy: default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; ",
+                "content-security-policy: default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; ",
                 "frame-ancestors 'none'",
                 "x-content-type-options: nosniff\r\n",
                 "referrer-policy: no-referrer\r\n",

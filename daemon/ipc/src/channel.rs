@@ -87,7 +87,7 @@ impl Channel {
     pub const fn qos(self) -> Qos {
         match self {
             // 5 frames wait: twice the 2 of a paced burst, and one more. 2 are borrowed: the one being read and the one before it.
-            // 4 readers: perceive, record and two tools. Each further reader would cost 7 frames of memory.
+            // 4 readers: perceive, record, and two of the tools and the board while somebody looks. Each further reader would cost 7 frames of memory.
             Self::Frame => {
                 Qos { buffer: 5, history: 0, borrowed: 2, readers: 4, writers: 1, loans: 8, burst: 2 }
             }

@@ -129,7 +129,7 @@ impl Annotator {
             let words = format!("{} assumed", self.names.object(id));
             self.canvas.name([x, y - 6.0], &words, AMBER)?;
         }
-        for landmarks_px in self.last_seen.hands(seen) {
+        for (_, landmarks_px) in self.last_seen.hands(seen) {
             for (from, to) in BONES {
                 self.canvas.dashes(landmarks_px[from], landmarks_px[to], AMBER)?;
             }

@@ -15,19 +15,19 @@ struct SeenPart {
 }
 
 /// Remembers where everything was last seen.
-pub(super) struct LastSeen {
+pub(crate) struct LastSeen {
     blind_ns: u64,
     objects: Vec<SeenPart>,
     hands: Vec<(HandDetection, u64)>,
 }
 
 impl LastSeen {
-    pub(super) fn new(blind_ms: u32) -> Self {
+    pub(crate) fn new(blind_ms: u32) -> Self {
         Self { blind_ns: u64::from(blind_ms) * 1_000_000, objects: Vec::new(), hands: Vec::new() }
     }
 
     /// Takes what was seen in the next picture.
-    pub(super) fn take(&mut self, seen: &Detections) {
+    pub(crate) fn take(&mut self, seen: &Detections) {
         let at_ns = seen.source_ns;
         for object in seen.seen_objects() {
             self.objects.retain(|known| known.object.id != object.id);
@@ -41,7 +41,7 @@ impl LastSeen {
 
     /// The objects that are not seen in this picture, and where they are assumed to be. That is in the hand that holds them by the newest couples, or
     /// where they were last seen.
-    pub(super) fn objects(&self, seen: &Detections, couples: &[Couple]) -> Vec<(u16, Corners)> {
+    pub(crate) fn objects(&self, seen: &Detections, couples: &[Couple]) -> Vec<(u16, Corners)> {
         let place = |known: &SeenPart| {
             let id = known.object.id;
             if is_seen(seen, id) {
@@ -55,12 +55,12 @@ impl LastSeen {
         self.objects.iter().filter_map(place).collect()
     }
 
-    /// The hands that are not seen in this picture, and where they are assumed to be.
-    pub(super) fn hands(&self, seen: &Detections) -> Vec<Landmarks> {
+    /// The hands that are not seen in this picture, by their codes, and where they are assumed to be.
+    pub(crate) fn hands(&self, seen: &Detections) -> Vec<(u8, Landmarks)> {
         let is_hidden = |known: &HandDetection| seen.hands().iter().all(|hand| hand.hand != known.hand);
         let hidden =
             self.hands.iter().filter(|(known, seen_ns)| is_hidden(known) && self.is_recent(*seen_ns, seen));
-        hidden.map(|(known, _)| known.landmarks_px).collect()
+        hidden.map(|(known, _)| (known.hand, known.landmarks_px)).collect()
     }
 
     /// The names of the parts and hands that have been out of sight for so long that they are assumed to be nowhere.

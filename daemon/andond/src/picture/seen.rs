@@ -6,7 +6,7 @@ use super::canvas::{AMBER, BLUE, Canvas, GREEN, WHITE};
 use crate::report::Names;
 
 /// The bones of a hand, as pairs of landmarks in MediaPipe's order.
-pub(super) const BONES: [(usize, usize); 21] = [
+pub(crate) const BONES: [(usize, usize); 21] = [
     (0, 1),
     (1, 2),
     (2, 3),

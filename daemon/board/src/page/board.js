@@ -103,6 +103,29 @@ function look() {
     }
 }
 
+const picture = /** @type {HTMLImageElement | null} */ (document.getElementById("picture"));
+/** Between two pictures: a hand is followed, and the line has better things to do. */
+const PICTURE_MS = 150;
+const NO_PICTURE_MS = 1000;
+let pictures = 0;
+
+/** The next picture is asked for when this one is shown, so that a slow browser gets fewer and none too late. */
+function see() {
+    if (picture && !document.hidden) {
+        const next = new URL(picture.src);
+        // What has the same address is not loaded again.
+        next.searchParams.set("picture", String(++pictures));
+        picture.src = next.href;
+    }
+}
+
+if (picture) {
+    picture.addEventListener("load", () => setTimeout(see, PICTURE_MS));
+    picture.addEventListener("error", () => setTimeout(see, NO_PICTURE_MS));
+    document.addEventListener("visibilitychange", see);
+    see();
+}
+
 // A page that nobody sees gives its connection back. One that made way for another watches again once somebody turns to it.
 document.addEventListener("visibilitychange", () => (document.hidden ? rest() : watch()));
 for (const turned of ["focus", "pointerdown", "keydown"]) {

@@ -1,5 +1,6 @@
 //! The pages. Each is drawn whole on the server; a browser with scripts replaces what is new in it.
 
+mod picture;
 mod shape;
 mod state;
 mod technician;
@@ -13,6 +14,7 @@ use crate::html::Html;
 use crate::told::fault_key;
 use crate::words::Table;
 
+pub(crate) use picture::drawn;
 pub(crate) use state::state;
 
 /// Whether people look for it afterwards.

@@ -28,10 +28,14 @@ pub(super) fn draw(html: &mut Html, board: &Board, words: &Table, address: &Addr
     events(html, board, words, address);
 }
 
-/// The whole page. The choice of a fault stands apart from the list, so that nobody loses it while the list changes.
+/// The whole page. The choice of a fault stands apart from the list, so that nobody loses it while the list changes. The picture is asked for by the
+/// browser, one after the other.
 pub(super) fn draw_whole(html: &mut Html, board: &Board, words: &Table, address: &Address) {
     html.raw("<main>");
     line(html, board, words);
+    if board.settings.picture {
+        picture(html, words, address);
+    }
     roles(html, board, words);
     filter(html, board, words, address);
     events(html, board, words, address);
@@ -59,6 +63,12 @@ fn line(html: &mut Html, board: &Board, words: &Table) {
         html.element(" <code>", &format!("{:016x}", board.job.hash), "</code></p>");
     }
     html.raw("</section>");
+}
+
+fn picture(html: &mut Html, words: &Table, address: &Address) {
+    html.raw("<figure><img id=\"picture\" src=\"/picture.svg?lang=").text(&address.lang).raw("\" alt=\"");
+    html.text(words.say("picture.alt")).raw("\">");
+    html.element("<figcaption>", words.say("picture.legend"), "</figcaption></figure>");
 }
 
 fn roles(html: &mut Html, board: &Board, words: &Table) {

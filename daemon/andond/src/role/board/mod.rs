@@ -6,6 +6,7 @@
 //! As in `metrics`, the server reads and writes in a thread of its own, and the loop answers. A disk may be slow, so the journal is read and clips are
 //! looked for in threads as well.
 
+mod camera;
 mod past;
 
 use std::net::SocketAddr;
@@ -22,6 +23,7 @@ use andon_ipc::{MonotonicTime, Node, Port, Reader, Wake};
 use andon_learn::job_file::JobFile;
 use andon_plc::handshake::{Fault, Line as PlcLine};
 use andon_record::store;
+use camera::Camera;
 use jiff::tz::TimeZone;
 use jiff::{Timestamp, Zoned};
 use past::Past;
@@ -64,6 +66,7 @@ struct Pages<'c> {
     health: Reader<Health>,
     inbox: Inbox,
     past: Past,
+    camera: Camera,
     line: LineHealth,
     /// Since when the line starts.
     starting: Option<Instant>,
@@ -84,7 +87,8 @@ impl Role for Pages<'_> {
     const INPUT_IS_STEADY: bool = false;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {
-        vec![&mut self.verdicts, &mut self.judging, &mut self.health]
+        let own: [&mut dyn Port; 3] = [&mut self.verdicts, &mut self.judging, &mut self.health];
+        own.into_iter().chain(self.camera.ports()).collect()
     }
 
     fn patience(&self) -> Duration {
@@ -99,6 +103,9 @@ impl Role for Pages<'_> {
         self.take(now)?;
         self.take_health()?;
         self.look(now);
+        if let Some(picture) = self.camera.look(cycle.node(), self.board.wants_picture())? {
+            self.board.picture(&picture);
+        }
         self.board.publish(now.nanoseconds());
         let board = &mut self.board;
         self.server.serve(|request| board.answer(request));
@@ -123,6 +130,7 @@ impl<'c> Pages<'c> {
             health: node.reader()?,
             inbox: Inbox::default(),
             past: Past::new(config.journal_path()),
+            camera: Camera::new(config),
             line: LineHealth::new(config),
             starting: None,
             ended: Vec::new(),
@@ -252,6 +260,7 @@ fn settings(config: &Config) -> Result<Settings, RoleError> {
         hosts: config.board.hosts.clone(),
         tables,
         language: config.board.language.clone(),
+        picture: config.board.picture,
         roles: config.roles(),
         meaning: |number| code::of_number(number).map(|code| code.meaning),
         local_time,

@@ -19,6 +19,8 @@ pub struct Board {
     pub hosts: Vec<String>,
     /// The language of a page whose address names none.
     pub language: String,
+    /// Whether the camera's picture is shown.
+    pub picture: bool,
     /// A folder with tables of words.
     pub words: Option<PathBuf>,
 }
@@ -32,6 +34,7 @@ impl Default for Board {
             port: 9465,
             hosts: Vec::new(),
             language: "en".to_owned(),
+            picture: true,
             words: None,
         }
     }
@@ -72,6 +75,13 @@ impl Board {
             Text::Line,
             "The language of the pages: de, en, es, fr or zh, or one that board.words adds. A page is shown in another one by \
              ?lang=CODE.",
+        );
+        k.key(
+            "picture",
+            &mut self.picture,
+            (),
+            "Whether the technician's page shows what the camera sees. What record.bench and record.masks hide is black there as \
+             well.",
         );
         k.optional(
             "words",
