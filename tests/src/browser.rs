@@ -52,9 +52,9 @@ impl Browser {
         Self { child, commands, answers: BufReader::new(answers), number: 0, _profile: profile }
     }
 
-    /// Opens a page in a tab of this size.
+    /// Opens a page in a window of its own, of this size: one in the background would rest.
     pub fn open(&mut self, address: &str, [width, height]: [u32; 2]) -> Tab {
-        let target = self.ask(None, "Target.createTarget", json!({"url": "about:blank"}));
+        let target = self.ask(None, "Target.createTarget", json!({"url": "about:blank", "newWindow": true}));
         let session = json!({"targetId": target["targetId"], "flatten": true});
         let session = self.ask(None, "Target.attachToTarget", session);
         let tab = Tab(session["sessionId"].as_str().unwrap().to_owned());

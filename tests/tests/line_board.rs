@@ -1,16 +1,20 @@
 //! The pages of a running line, in a real browser.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use andon_ipc::{Node, Stop};
 use andon_tests::browser::{Browser, Tab};
 use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, andond, ask, status};
 use andon_tests::simulator::Flaw;
 use serde_json::json;
+use shm_schemas::RoleId;
 use std::net::TcpListener;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
 const FULL_HD: [u32; 2] = [1920, 1080];
-const TABLET: [u32; 2] = [768, 1024];
+const TABLET: [u32; 2] = [800, 1280];
+/// So high that a whole page is in a picture.
+const WHOLE: [u32; 2] = [1920, 1600];
 /// What is left of Full HD at 200 %.
 const TWICE: [u32; 2] = [960, 540];
 
@@ -123,13 +127,17 @@ fn events_are_listed_newest_first_and_a_deep_link_a_reload_and_the_back_button_k
     let tab = browser.open(&format!("{board}/technician"), FULL_HD);
     browser.until(&tab, "document.querySelectorAll('#events tbody tr').length > 2");
     browser.until(&tab, "document.querySelectorAll('#roles .ill').length === 0");
+    browser.until(&tab, "document.querySelectorAll('#shift .chart .bar').length > 0");
+    browser.until(&tab, "document.querySelector('.pareto a').href.includes('fault=fault.Strokes.below')");
     let times = browser.value(
         &tab,
         "[...document.querySelectorAll('#events td:first-child')].map((cell) => cell.textContent)",
     );
     let times: Vec<String> = serde_json::from_value(times).unwrap();
     assert!(times.is_sorted_by(|newer, older| newer >= older), "{times:?}");
+    browser.resize(&tab, WHOLE);
     keep(&mut browser, &tab, "technician");
+    browser.resize(&tab, FULL_HD);
 
     // The fault is chosen in the form, and the address has it.
     let choose = "
@@ -218,6 +226,11 @@ fn pages_are_readable_in_every_state_size_and_language_with_the_keyboard_and_wit
         let set = format!("document.getElementById('view').className = '{style}'");
         assert_contrast(&mut browser, &tab, &set, style);
     }
+    browser.until(&tab, &says(&["WORKING"]));
+    keep(&mut browser, &tab, "worker-quiet");
+    browser.resize(&tab, TABLET);
+    keep(&mut browser, &tab, "worker-quiet-tablet");
+    browser.resize(&tab, FULL_HD);
     for lang in ["de", "en", "es", "fr", "zh"] {
         browser.go(&tab, &format!("{board}/?lang={lang}"));
         browser
@@ -275,6 +288,70 @@ fn until_drawn(port: u16, page: &str, text: &str) {
         assert!(Instant::now() < deadline, "{text} is not in {drawn}");
         std::thread::sleep(Duration::from_millis(50));
     }
+}
+
+/// How many more readers the channel `frame` takes.
+fn places(line: &Line) -> usize {
+    let stop = Stop::new().unwrap();
+    let node = Node::open(&line.station, RoleId::Tool, Duration::from_millis(100), &stop).unwrap();
+    let readers: Vec<_> = std::iter::from_fn(|| node.frame_reader().ok()).collect();
+    readers.len()
+}
+
+#[test]
+fn the_technician_sees_the_picture_with_what_is_seen_in_it_and_nobody_reads_frames_without_one() {
+    let mut line = Line::with_film("speed = \"file\"", "", &["-i", "p1_J1_r1.mp4"]);
+    let port = with_board(&line);
+    line.start("steward");
+    line.start_all_but(&["steward"]);
+    line.start("capture");
+    line.start("board");
+    line.wait_for_log("board", "AND-620", "");
+    Modbus::connect_when_up(line.port).wait_for(status::READY);
+    let free = places(&line);
+    let mut browser = Browser::start();
+    let tab = browser.open(&format!("http://localhost:{port}/technician"), FULL_HD);
+    browser.until(&tab, "document.getElementById('picture').naturalWidth > 0");
+    assert_eq!(places(&line) + 1, free, "the board reads");
+    let text = "fetch('/picture.svg?lang=fr').then((answer) => answer.text())";
+    browser.until(&tab, &format!("{text}.then((text) => text.includes('>main droite</text>'))"));
+    browser.until(&tab, &format!("{text}.then((text) => text.includes('base64,/9j/'))"));
+    // Another one comes by itself.
+    browser.value(&tab, "window.first = document.getElementById('picture').src");
+    browser.until(&tab, "document.getElementById('picture').src !== window.first");
+    browser.until(&tab, "document.querySelectorAll('#events tbody tr').length > 0");
+    for (size, name) in [(WHOLE, "technician-picture"), (TABLET, "technician-picture-tablet")] {
+        browser.resize(&tab, size);
+        keep(&mut browser, &tab, name);
+    }
+    browser.go(&tab, &format!("http://localhost:{port}/"));
+    let until = Instant::now() + PATIENCE;
+    while places(&line) < free {
+        assert!(Instant::now() < until, "frames are read although nobody looks");
+        std::thread::sleep(Duration::from_millis(500));
+    }
+}
+
+#[test]
+fn the_sixth_window_of_a_browser_is_watched_and_the_oldest_says_so_and_comes_back_by_a_touch() {
+    let (_line, _watcher, board) = at_work();
+    let mut browser = Browser::start();
+    let is_watched = "document.getElementById('lost').hidden && document.getElementById('elsewhere').hidden";
+    let windows: Vec<Tab> = (0..6)
+        .map(|_| {
+            let window = browser.open(&format!("{board}/"), TABLET);
+            browser.until(&window, is_watched);
+            window
+        })
+        .collect();
+    browser.until(&windows[0], "!document.getElementById('elsewhere').hidden");
+    keep(&mut browser, &windows[0], "worker-elsewhere");
+    browser.value(&windows[0], "document.body.dispatchEvent(new Event('pointerdown', { bubbles: true }))");
+    browser.until(&windows[0], is_watched);
+    browser.until(&windows[1], "!document.getElementById('elsewhere').hidden");
+    // Something more can still be loaded.
+    browser.go(&windows[0], &format!("{board}/technician"));
+    browser.until(&windows[0], "document.querySelectorAll('#roles tbody tr').length > 0");
 }
 
 #[test]

@@ -15,6 +15,7 @@ use crate::page;
 use crate::picture::Picture;
 use crate::piece::Piece;
 use crate::pieces::Pieces;
+use crate::shift::Shift;
 use crate::viewers::Viewers;
 use crate::watchers::Watchers;
 use crate::words::{Table, Tables};
@@ -68,6 +69,15 @@ pub struct Settings {
     pub local_time: fn(u64) -> String,
 }
 
+/// What happened before the board began.
+#[derive(Clone, Debug, Default)]
+pub struct Past {
+    /// The verdicts that it [keeps](Board::keeps), in their order.
+    pub verdicts: Vec<Verdict>,
+    /// Begin and end of each time in which nobody watched, nanoseconds since 1970 UTC.
+    pub unwatched: Vec<[u64; 2]>,
+}
+
 /// The board.
 #[derive(Debug)]
 pub struct Board {
@@ -80,6 +90,7 @@ pub struct Board {
     pub(crate) judging: Option<Judging>,
     pub(crate) piece: Piece,
     pub(crate) pieces: Pieces,
+    pub(crate) shift: Shift,
     /// What is to be looked at, and what became of each piece; newest first.
     pub(crate) events: VecDeque<Verdict>,
     /// The newest health of each role.
@@ -108,6 +119,7 @@ impl Board {
             judging: None,
             piece: Piece::default(),
             pieces: Pieces::default(),
+            shift: Shift::default(),
             events: VecDeque::with_capacity(EVENTS),
             healths: Vec::new(),
             clips: Clips::default(),
@@ -149,11 +161,13 @@ impl Board {
         page::is_event(verdict)
     }
 
-    /// What the journal has of those that the board keeps, in their order. What has come from the channel meanwhile follows.
-    pub fn past(&mut self, past: &[Verdict]) {
+    /// What the journal has. What has come from the channel meanwhile follows.
+    pub fn past(&mut self, past: &Past) {
         let came = std::mem::take(&mut self.events);
         self.pieces = self.pieces.uncounted();
-        past.iter().chain(came.iter().rev()).for_each(|verdict| self.keep(verdict));
+        self.shift.forget_alarms();
+        past.unwatched.iter().for_each(|span| self.shift.add_unwatched(*span));
+        past.verdicts.iter().chain(came.iter().rev()).for_each(|verdict| self.keep(verdict));
         self.version += 1;
     }
 
@@ -168,6 +182,7 @@ impl Board {
         let id = verdict.stamp.id();
         if Self::keeps(verdict) && !self.events.iter().any(|event| event.stamp.id() == id) {
             self.pieces.count(verdict);
+            self.shift.take(verdict);
             self.events.truncate(EVENTS - 1);
             self.events.push_front(*verdict);
         }
@@ -183,14 +198,16 @@ impl Board {
     /// How the line is, and why, in words for a technician.
     pub fn line(&mut self, line: Line, cause: &str) {
         if (self.line, self.cause.as_str()) != (line, cause) {
+            self.shift.watch(!matches!(line, Line::Stopped(_)));
             (self.line, self.cause) = (line, cause.to_owned());
             self.version += 1;
         }
     }
 
-    /// The day that began at this time, nanoseconds since 1970 UTC, is today.
-    pub fn day(&mut self, began_utc_ns: u64) {
-        self.pieces.day(began_utc_ns);
+    /// What the clock on the wall says, and when its day began: nanoseconds since 1970 UTC.
+    pub fn clock(&mut self, now_utc_ns: u64, day_utc_ns: u64) {
+        self.pieces.day(day_utc_ns);
+        self.version += u64::from(self.shift.clock(now_utc_ns));
     }
 
     /// Which verdicts have clips.
@@ -313,7 +330,7 @@ mod tests {
         let mut board = Board::new(settings());
         board.verdict(&piece(3));
         board.verdict(&piece(4));
-        board.past(&[1, 2, 3].map(piece));
+        board.past(&Past { verdicts: [1, 2, 3].map(piece).to_vec(), ..Past::default() });
         board.verdict(&piece(4));
         let order: Vec<u64> = board.events.iter().map(|event| event.stamp.seq).collect();
         assert_eq!((order.as_slice(), board.pieces.good), ([4, 3, 2, 1].as_slice(), 4));

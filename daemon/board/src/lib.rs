@@ -27,12 +27,13 @@ mod piece;
 mod pieces;
 #[cfg(test)]
 mod sample;
+mod shift;
 mod told;
 mod viewers;
 mod watchers;
 mod words;
 
-pub use board::{Board, Settings};
+pub use board::{Board, Past, Settings};
 pub use clips::Clips;
 pub use inbox::{Inbox, Said};
 pub use job::{Job, Step};

@@ -43,6 +43,11 @@ fn measure(verdict: &Verdict) -> Option<VerdictMeasure> {
     (measure != VerdictMeasure::None && verdict.measured.is_finite()).then_some(measure)
 }
 
+/// What was measured, the minimum and the maximum that were shown, in units of the measure.
+pub(crate) fn measures(verdict: &Verdict) -> Option<[f32; 3]> {
+    measure(verdict).map(|_| [verdict.measured, verdict.shown_min, verdict.shown_max])
+}
+
 /// Tells of verdicts in one language, by the names of one job.
 #[derive(Clone, Copy)]
 pub(crate) struct Teller<'a> {

@@ -120,8 +120,15 @@ function see() {
 }
 
 if (picture) {
-    picture.addEventListener("load", () => setTimeout(see, PICTURE_MS));
-    picture.addEventListener("error", () => setTimeout(see, NO_PICTURE_MS));
+    const alt = picture.alt;
+    picture.addEventListener("load", () => {
+        picture.alt = alt;
+        setTimeout(see, PICTURE_MS);
+    });
+    picture.addEventListener("error", () => {
+        picture.alt = picture.dataset.none ?? "";
+        setTimeout(see, NO_PICTURE_MS);
+    });
     document.addEventListener("visibilitychange", see);
     see();
 }

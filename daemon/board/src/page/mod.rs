@@ -1,7 +1,9 @@
 //! The pages. Each is drawn whole on the server; a browser with scripts replaces what is new in it.
 
 mod picture;
+mod plot;
 mod shape;
+mod shift;
 mod state;
 mod technician;
 mod worker;

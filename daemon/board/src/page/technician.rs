@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use shm_schemas::{Health, RoleId, RoleState, Verdict, VerdictLevel};
 
 use super::state::{State, state};
+use super::{plot, shift};
 use crate::address::Address;
 use crate::board::Board;
 use crate::html::Html;
-use crate::told::{Teller, fault_key, number, outcome_key};
+use crate::told::{Teller, fault_key, measures, number, outcome_key};
 use crate::words::Table;
 
 /// What is told of each event.
@@ -24,6 +25,7 @@ const SILENT_NS: u64 = 2_000_000_000;
 /// What changes.
 pub(super) fn draw(html: &mut Html, board: &Board, words: &Table, address: &Address) {
     line(html, board, words);
+    shift::draw(html, board, words, address);
     roles(html, board, words);
     events(html, board, words, address);
 }
@@ -33,9 +35,12 @@ pub(super) fn draw(html: &mut Html, board: &Board, words: &Table, address: &Addr
 pub(super) fn draw_whole(html: &mut Html, board: &Board, words: &Table, address: &Address) {
     html.raw("<main>");
     line(html, board, words);
+    html.raw("<div class=\"beside\">");
     if board.settings.picture {
         picture(html, words, address);
     }
+    shift::draw(html, board, words, address);
+    html.raw("</div>");
     roles(html, board, words);
     filter(html, board, words, address);
     events(html, board, words, address);
@@ -67,7 +72,7 @@ fn line(html: &mut Html, board: &Board, words: &Table) {
 
 fn picture(html: &mut Html, words: &Table, address: &Address) {
     html.raw("<figure><img id=\"picture\" src=\"/picture.svg?lang=").text(&address.lang).raw("\" alt=\"");
-    html.text(words.say("picture.alt")).raw("\">");
+    html.text(words.say("picture.alt")).raw("\" data-none=\"").text(words.say("picture.none")).raw("\">");
     html.element("<figcaption>", words.say("picture.legend"), "</figcaption></figure>");
 }
 
@@ -77,8 +82,11 @@ fn roles(html: &mut Html, board: &Board, words: &Table) {
         words.say("label.roles"),
         "</h2><div class=\"wide\"><table><thead><tr>",
     );
-    let columns = ["role", "state", "rate", "losses", "refused", "typical", "slow", "message"];
-    heads(html, words, &columns);
+    heads(html, words, &["role", "state"]);
+    for column in ["rate", "losses", "refused", "typical", "slow"] {
+        html.element("<th scope=\"col\" class=\"number\">", words.say(&format!("label.{column}")), "</th>");
+    }
+    heads(html, words, &["message"]);
     html.raw("</tr></thead><tbody>");
     for role in &board.settings.roles {
         self::role(html, board, words, *role);
@@ -232,16 +240,14 @@ fn event(html: &mut Html, board: &Board, words: &Table, address: &Address, verdi
     html.element("</td><td>", words.say(&format!("level.{level}")), "</td>");
     let (shown, measured) = teller.measured(verdict).or_else(|| teller.expected_and_got(verdict)).unzip();
     let measured = measured.or_else(|| teller.missing(verdict));
-    let cells = [
-        teller.step_of(verdict),
-        Some(teller.fault(verdict)),
-        measured,
-        shown,
-        Some(verdict.part.text().to_owned()),
-    ];
-    for cell in cells {
+    for cell in [teller.step_of(verdict), Some(teller.fault(verdict)), measured] {
         html.element("<td>", &cell.unwrap_or_default(), "</td>");
     }
+    html.element("<td>", &shown.unwrap_or_default(), " ");
+    if let Some(values) = measures(verdict) {
+        plot::measure(html, values);
+    }
+    html.element("</td><td>", verdict.part.text(), "</td>");
     html.element("<td>", board.clip_of(verdict.stamp.id()).unwrap_or("\u{2013}"), "</td></tr>");
 }
 

@@ -10,7 +10,9 @@ use crate::told::Teller;
 use crate::words::Table;
 
 /// A word with more letters is written smaller, so that it stays on one line.
-const SHORT: usize = 8;
+const SHORT: usize = 6;
+/// One with more letters than this even more so.
+const MIDDLE: usize = 8;
 
 pub(super) fn draw(html: &mut Html, board: &Board, words: &Table) {
     let state = state(board);
@@ -19,12 +21,21 @@ pub(super) fn draw(html: &mut Html, board: &Board, words: &Table) {
     head(html, board, words);
     let word = words.say(key);
     html.raw("<div class=\"state\" role=\"status\">").raw(shape::of(state)).raw("<h1 class=\"word");
-    html.raw(if word.chars().count() > SHORT { " long\">" } else { "\">" }).text(word).raw("</h1></div>");
+    html.raw(size(word)).raw("\">").text(word).raw("</h1></div>");
     told(html, board, words, state);
     if !matches!(state, State::Stopped(_) | State::Starting) {
         steps(html, board, words);
     }
     html.raw("</main>");
+}
+
+/// The class of a word by its length.
+fn size(word: &str) -> &'static str {
+    match word.chars().count() {
+        0..=SHORT => "",
+        ..=MIDDLE => " middle",
+        _ => " long",
+    }
 }
 
 /// What the worker need not look at: the job, the part, and how many pieces there were today.

@@ -26,7 +26,7 @@ use andon_record::store;
 use camera::Camera;
 use jiff::tz::TimeZone;
 use jiff::{Timestamp, Zoned};
-use past::Past;
+use past::PastReader;
 use shm_schemas::{Health, Judging, RoleId, RoleState, Sight, Verdict};
 
 use super::line::LineHealth;
@@ -65,7 +65,7 @@ struct Pages<'c> {
     judging: Reader<Judging>,
     health: Reader<Health>,
     inbox: Inbox,
-    past: Past,
+    past: PastReader,
     camera: Camera,
     line: LineHealth,
     /// Since when the line starts.
@@ -129,7 +129,7 @@ impl<'c> Pages<'c> {
             judging: node.reader()?,
             health: node.reader()?,
             inbox: Inbox::default(),
-            past: Past::new(config.journal_path()),
+            past: PastReader::new(config.journal_path()),
             camera: Camera::new(config),
             line: LineHealth::new(config),
             starting: None,
@@ -190,7 +190,7 @@ impl<'c> Pages<'c> {
     fn look(&mut self, now: MonotonicTime) {
         if is_due(&mut self.looked, LOOK) {
             self.line.departed(now);
-            self.board.day(midnight_utc_ns());
+            self.board.clock(nanoseconds(Timestamp::now()), midnight_utc_ns());
         }
         if let Some(past) = self.past.take() {
             self.board.past(&past);

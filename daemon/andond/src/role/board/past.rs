@@ -6,10 +6,9 @@ use std::path::{Path, PathBuf};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
-use andon_board::Board;
-use andon_journal::{Entry, History, JournalError, Query};
+use andon_board::{Board, Past};
+use andon_journal::{Entry, History, JournalError, NotWatching, Query};
 use jiff::Timestamp;
-use shm_schemas::Verdict;
 
 use super::super::error::report_journal;
 use super::{is_due, midnight_utc_ns, nanoseconds};
@@ -20,23 +19,23 @@ const BEFORE: Duration = Duration::from_secs(24 * 3600);
 /// How often it is tried.
 const TRY: Duration = Duration::from_secs(1);
 
-type Read = Result<Vec<Verdict>, JournalError>;
+type Read = Result<Past, JournalError>;
 
-/// The past, which is read once.
-pub(super) struct Past {
+/// Reads the past once.
+pub(super) struct PastReader {
     path: PathBuf,
     tried: Option<Instant>,
     reading: Option<JoinHandle<Read>>,
     is_over: bool,
 }
 
-impl Past {
+impl PastReader {
     pub(super) fn new(path: PathBuf) -> Self {
         Self { path, tried: None, reading: None, is_over: false }
     }
 
-    /// The verdicts that the board keeps, as soon as they were read.
-    pub(super) fn take(&mut self) -> Option<Vec<Verdict>> {
+    /// What the board keeps, as soon as it was read.
+    pub(super) fn take(&mut self) -> Option<Past> {
         let joined = self.reading.take_if(|reading| reading.is_finished()).map(JoinHandle::join);
         let past = joined.and_then(|joined| self.finish(joined.ok()?));
         if !self.is_over && self.reading.is_none() && is_due(&mut self.tried, TRY) {
@@ -47,7 +46,7 @@ impl Past {
         past
     }
 
-    fn finish(&mut self, read: Read) -> Option<Vec<Verdict>> {
+    fn finish(&mut self, read: Read) -> Option<Past> {
         match read {
             Err(JournalError::Open { .. } | JournalError::NotFile { .. } | JournalError::Locked { .. }) => {
                 return None;
@@ -63,13 +62,33 @@ impl Past {
 fn read(path: &Path) -> Read {
     let since_utc_ns = midnight_utc_ns().min(nanoseconds(Timestamp::now() - BEFORE));
     let query = Query { since_utc_ns: Some(since_utc_ns), ..Query::default() };
-    let mut past = Vec::new();
+    let mut past = Past::default();
+    // Since when nobody watched, where nobody saw the end of it.
+    let mut open = None;
     History::open_read_only(path)?.visit(&query, |entry| {
-        past.extend(match entry {
-            Entry::Verdict(verdict) if Board::keeps(&verdict) => Some(*verdict),
-            _ => None,
-        });
+        if let Some(began_utc_ns) = open.take() {
+            past.unwatched.push([began_utc_ns, began(&entry)]);
+        }
+        match entry {
+            Entry::Verdict(verdict) if Board::keeps(&verdict) => past.verdicts.push(*verdict),
+            Entry::NotWatching(NotWatching { began_utc_ns, ended_utc_ns: Some(end_utc_ns), .. }) => {
+                past.unwatched.push([began_utc_ns, end_utc_ns]);
+            }
+            Entry::NotWatching(NotWatching { began_utc_ns, .. }) => open = Some(began_utc_ns),
+            _ => (),
+        }
         Ok(())
     })?;
+    // It lasts.
+    past.unwatched.extend(open.map(|began_utc_ns| [began_utc_ns, nanoseconds(Timestamp::now())]));
     Ok(past)
+}
+
+/// When a row of the journal began: nobody watched until then at the latest.
+fn began(entry: &Entry) -> u64 {
+    match entry {
+        Entry::Verdict(verdict) => verdict.decided_utc_ns,
+        Entry::Gap(gap) => gap.utc_ns,
+        Entry::NotWatching(unwatched) => unwatched.began_utc_ns,
+    }
 }

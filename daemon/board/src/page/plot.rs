@@ -1,0 +1,52 @@
+//! A measure against what was shown, as a small plot: a bar from the least to the most that was shown, and a line where this one lies.
+
+use crate::html::Html;
+
+/// The plot, in units of its own, with room for the line at both ends.
+const WIDTH: f32 = 100.0;
+const EDGE: f32 = 3.0;
+
+/// Draws what was measured, and the least and the most that was shown. Beside it stands the same in words.
+pub(super) fn measure(html: &mut Html, [measured, shown_min, shown_max]: [f32; 3]) {
+    let least = if shown_min.is_finite() { shown_min } else { 0.0 };
+    let (from, to) = (least.min(measured), shown_max.max(measured));
+    if !(from.is_finite() && to.is_finite() && to > from) {
+        return;
+    }
+    let at = |value: f32| EDGE + (WIDTH - 2.0 * EDGE) * (value - from) / (to - from);
+    // What was shown once is a line as well.
+    let wide = (at(shown_max) - at(least)).max(1.0);
+    html.raw("<svg class=\"plot\" viewBox=\"0 0 100 16\" aria-hidden=\"true\"><rect class=\"shown\" y=\"4\" height=\"8\" x=\"");
+    html.text(&format!("{:.1}", at(least))).raw("\" width=\"").text(&format!("{wide:.1}"));
+    html.raw("\"/><path class=\"measured\" d=\"M")
+        .text(&format!("{:.1}", at(measured)))
+        .raw(" 0v16\"/></svg>");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drawn(values: [f32; 3]) -> String {
+        let mut html = Html::default();
+        measure(&mut html, values);
+        html.finish()
+    }
+
+    #[test]
+    fn the_line_lies_where_the_measure_does_beside_the_bar_of_what_was_shown() {
+        let below = drawn([3.0, 6.0, 7.0]);
+        assert!(below.contains("x=\"73.5\" width=\"23.5\"") && below.contains("M3.0 0"), "{below}");
+        let above = drawn([10.0, f32::NAN, 5.0]);
+        assert!(above.contains("x=\"3.0\" width=\"47.0\"") && above.contains("M97.0 0"), "{above}");
+        let once = drawn([4.0, 6.0, 6.0]);
+        assert!(once.contains("x=\"97.0\" width=\"1.0\""), "{once}");
+    }
+
+    #[test]
+    fn what_is_no_number_or_cannot_be_compared_has_no_plot() {
+        for values in [[f32::NAN, 1.0, f32::NAN], [2.0, 2.0, 2.0], [f32::INFINITY, 0.0, 1.0]] {
+            assert_eq!(drawn(values), "", "{values:?}");
+        }
+    }
+}
