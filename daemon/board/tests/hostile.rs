@@ -277,7 +277,7 @@ fn names_that_are_markup_and_queries_that_are_markup_are_text_on_every_page() {
 fn names_that_are_markup_are_text_in_the_picture_and_whoever_waits_in_vain_is_let_go() {
     served(|port, board| {
         std::thread::scope(|scope| {
-            let asked = scope.spawn(|| get(port, "/picture.svg?lang=<script>"));
+            let asked = scope.spawn(|| get(port, "/picture.svg?lang=%3Cscript%3E"));
             let deadline = Instant::now() + PATIENCE;
             while !board.lock().unwrap().wants_picture() {
                 assert!(Instant::now() < deadline, "nobody asks");
