@@ -31,10 +31,13 @@ pub(super) fn draw(html: &mut Html, board: &Board, words: &Table) {
 
 /// The class of a word by its length.
 fn size(word: &str) -> &'static str {
-    match word.chars().count() {
-        0..=SHORT => "",
-        ..=MIDDLE => " middle",
-        _ => " long",
+    let letters = word.chars().count();
+    if letters <= SHORT {
+        ""
+    } else if letters <= MIDDLE {
+        " middle"
+    } else {
+        " long"
     }
 }
 
