@@ -148,8 +148,9 @@ impl<'a> Teaching<'a> {
         self.report.unsure = unsure.into_iter().chain(contact_regions::incidental(objects)).collect();
         self.given = std::mem::replace(&mut self.runs, encoded);
         self.agree();
-        if let Some((runs, agreement)) = reach::widened(&self.runs, &self.agreement, self.options)? {
-            (self.runs, self.agreement) = (runs, agreement);
+        if let Some(runs) = reach::widened(&self.runs, &self.agreement, self.options)? {
+            self.runs = runs;
+            self.agree();
         }
         Ok(())
     }
@@ -177,7 +178,7 @@ impl<'a> Teaching<'a> {
         self.check_agreement()?;
         let Self { options, runs, agreement, strengths, .. } = self;
         self.people = People::of(runs, agreement, options.method.rate_hz);
-        self.report.one_person = self.people.one_person;
+        self.report.people = self.people;
         let job = &mut self.report.job;
         job.passive_contacts.clone_from(&agreement.passive_contacts);
         job.steps = relation::steps(runs, agreement, options, strengths);

@@ -10,7 +10,7 @@
 //! without this; of 140 of those who differ three times as much 5, and 34 (seeds 7001 to 7005).
 
 use super::measures::PRIOR_BY_FEEL;
-use super::sequence::{Agreement, ShownIu};
+use super::sequence::{Agreement, MIN_RUNS, ShownIu};
 use crate::recording::person_of;
 use crate::run::{Iu, Run};
 use crate::statistics::{chi_squared, mean};
@@ -29,8 +29,12 @@ const CONFIDENCE: f64 = 0.99;
 /// that what is left is more alike than people are. Of groups who differ three times as much, the accepted ones seem to differ 2.2 times as much.
 const UPPER_CONFIDENCE: f64 = 0.9;
 
+/// How many times as much as people in general others may be taken to differ: more was never measured. A few runs of which one is far off would seem
+/// to show more, and no bound would be left.
+const MAX_VARIETY: f64 = 3.0;
+
 /// What the runs tell of the people who showed them.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct People {
     /// How probable it is that one person showed all the runs.
     pub(super) one_person: f64,
@@ -82,10 +86,11 @@ pub(super) fn border_frames(rate_hz: f32) -> f64 {
 /// The standard deviation that these deviations come from at most, as a multiple of that of people in general, and its degrees of freedom. 1 where
 /// chance may explain that it is more.
 fn variety(deviations: &[Vec<f64>]) -> (f64, f64) {
+    let runs = deviations.iter().map(Vec::len).max().unwrap_or_default();
     let freedom = deviations.iter().map(|of_one| of_one.len().saturating_sub(1)).sum::<usize>() as f64;
     let squares: f64 = deviations.iter().flatten().map(|deviation| deviation.powi(2)).sum();
-    if squares > chi_squared(freedom, CONFIDENCE) {
-        ((squares / chi_squared(freedom, 1.0 - UPPER_CONFIDENCE)).sqrt(), freedom)
+    if runs >= MIN_RUNS && squares > chi_squared(freedom, CONFIDENCE) {
+        ((squares / chi_squared(freedom, 1.0 - UPPER_CONFIDENCE)).sqrt().min(MAX_VARIETY), freedom)
     } else {
         (1.0, f64::INFINITY)
     }
@@ -127,6 +132,15 @@ mod tests {
     fn spread(deviation: f64) -> Vec<f64> {
         let scale = deviation * (6.0_f64 / 28.0).sqrt();
         (-3..=3).map(|step| scale * f64::from(step)).collect()
+    }
+
+    #[test]
+    fn who_differs_more_counts_as_such_from_four_runs_on_and_up_to_three_times() {
+        assert_eq!(variety(&[spread(1.0), spread(1.0)]), (1.0, f64::INFINITY));
+        let (twice, freedom) = variety(&[spread(2.0), spread(2.0)]);
+        assert!((2.0..3.0).contains(&twice) && freedom == 12.0, "{twice} {freedom}");
+        assert_eq!(variety(&[spread(9.0)]), (MAX_VARIETY, 6.0));
+        assert_eq!(variety(&[vec![-9.0, 0.0, 9.0]]), (1.0, f64::INFINITY), "three runs show too little");
     }
 
     #[test]

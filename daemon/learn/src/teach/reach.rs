@@ -11,13 +11,14 @@ use crate::run::{Iu, Run};
 use andon_core::config::Contact;
 use andon_core::couple::Context;
 use andon_core::object::ContactRegion;
+use std::collections::BTreeMap;
 
 /// The shares of the missing reach that are tried, each twice as much as the next. One is taken if neither it nor twice as much changes a run, so that
 /// the contact ends midway to where the parts lie apart. Else a part that another run puts back somewhat nearer would seem not to leave.
 const TRIED_SHARES: [f32; 4] = [2.0, 1.0, 0.5, 0.25];
 
-/// The runs, with contacts that last for strokes of any right length where their people differ more than they do in general. It also has what they
-/// then have in common. `None` where nothing is widened.
+/// The runs, with contacts that last for strokes of any right length where their people differ more than they do in general. `None` where nothing
+/// is widened.
 ///
 /// # Errors
 /// If the objects cannot be used.
@@ -25,19 +26,18 @@ pub(super) fn widened(
     runs: &[Run],
     agreement: &Agreement,
     options: &TeachOptions,
-) -> Result<Option<(Vec<Run>, Agreement)>, TeachError> {
+) -> Result<Option<Vec<Run>>, TeachError> {
     let people = People::of(runs, agreement, options.method.rate_hz);
     if people.variety <= 1.0 {
         return Ok(None);
     }
     let rates = Rates::new(options.bounds.false_alarms, people, agreement);
-    let reaches: Vec<(Context, f32)> =
-        agreement.ius().filter_map(|iu| Some((iu.context, reach_m(runs, iu, &rates)?))).collect();
+    let reaches = reaches_m(runs, agreement, &rates);
     let mut is_farther_alike = false;
     for share in TRIED_SHARES {
         let mut objects = runs[0].objects.clone();
-        for (context, reach_m) in &reaches {
-            widen(&mut objects, *context, *reach_m, share, options.method.object_contact);
+        for (pair, reach_m) in &reaches {
+            widen(&mut objects, *pair, *reach_m, share, options.method.object_contact);
         }
         if objects == runs[0].objects {
             break;
@@ -45,9 +45,9 @@ pub(super) fn widened(
         let widened = encoded_with(&objects, runs)?;
         let agreed = agree(&widened, &Strengths::default());
         // Where parts lie near each other, they would seem to touch for longer.
-        let is_alike = steps(&agreed).eq(steps(agreement));
+        let is_alike = agreed.used == agreement.used && steps(&agreed).eq(steps(agreement));
         if is_alike && is_farther_alike {
-            return Ok(Some((widened, agreed)));
+            return Ok(Some(widened));
         }
         is_farther_alike = is_alike;
     }
@@ -56,6 +56,17 @@ pub(super) fn widened(
 
 fn steps(agreement: &Agreement) -> impl Iterator<Item = (u16, &[Context])> {
     agreement.sequences.iter().map(|step| (step.activity, step.contexts.as_slice()))
+}
+
+/// How far apart each two parts may go in any of their IUs, in metres.
+fn reaches_m(runs: &[Run], agreement: &Agreement, rates: &Rates) -> BTreeMap<[u16; 2], f32> {
+    let mut reaches = BTreeMap::new();
+    for (iu, reach_m) in agreement.ius().filter_map(|iu| Some((iu, reach_m(runs, iu, rates)?))) {
+        let Context([_, _, j, l]) = iu.context;
+        let farthest = reaches.entry([j.min(l), j.max(l)]).or_insert(reach_m);
+        *farthest = f32::max(*farthest, reach_m);
+    }
+    reaches
 }
 
 /// How far apart the two parts of an IU may go in strokes of any right length, as far as the demonstrations tell. At either end of a stroke that is
@@ -70,13 +81,7 @@ fn reach_m(runs: &[Run], iu: &ShownIu, rates: &Rates) -> Option<f32> {
 }
 
 /// Lets the contact of the two parts end no nearer than this, in metres.
-fn widen(
-    objects: &mut [NamedObject],
-    Context([_, _, j, l]): Context,
-    reach_m: f32,
-    share: f32,
-    default: Contact,
-) {
+fn widen(objects: &mut [NamedObject], [j, l]: [u16; 2], reach_m: f32, share: f32, default: Contact) {
     for (at, with) in [(l, j), (j, l)] {
         let Some(object) = objects.iter_mut().find(|object| object.shape.id == at) else { continue };
         if let Some(met) = object.shape.contact_regions.iter_mut().find(|met| met.with == with) {
@@ -113,12 +118,12 @@ mod tests {
             };
             objects.iter().map(of).collect()
         };
-        let polishing = Context([1, 5, 5, 6]);
+        let polishing = [5, 6];
         widen(&mut objects, polishing, 0.04, 1.0, default);
         assert!(off_m(&objects).iter().all(Vec::is_empty), "it is wide enough");
         widen(&mut objects, polishing, 0.065, 0.5, default);
         assert_eq!(off_m(&objects), [vec![], vec![0.055]]);
-        widen(&mut objects, Context([1, 6, 6, 5]), 0.075, 1.0, default);
+        widen(&mut objects, [6, 5], 0.075, 1.0, default);
         assert_eq!(off_m(&objects), [vec![], vec![0.075]]);
         widen(&mut objects, polishing, 0.06, 1.0, default);
         assert_eq!(off_m(&objects), [vec![], vec![0.075]]);

@@ -3,6 +3,7 @@
 use super::kind::is_on_the_way;
 use super::noticed::{self, what_more_would_bring};
 use super::order;
+use super::people::People;
 use super::sequence::{Disagreement, Occluded};
 use super::statement::Statement;
 use super::threshold::min_false_alarms;
@@ -61,8 +62,7 @@ pub struct TeachReport {
     pub(super) pauses: Vec<Outlier>,
     /// Demonstrations that stand out where the others make no law of it.
     pub(super) questions: Vec<Outlier>,
-    /// How probable it is that one person showed all of them.
-    pub(super) one_person: f64,
+    pub(super) people: People,
     pub(super) ius: Vec<IuReport>,
     pub(super) job: JobFile,
 }
@@ -80,7 +80,7 @@ impl TeachReport {
             unsure: Vec::new(),
             pauses: Vec::new(),
             questions: Vec::new(),
-            one_person: 0.0,
+            people: People::IN_GENERAL,
             ius: Vec::new(),
             job,
         }
@@ -117,6 +117,7 @@ impl TeachReport {
         let others = [
             self.few_demonstrations(),
             self.one_person(),
+            self.variety(),
             self.not_seen(),
             self.same_again(),
             self.by_feel(),
@@ -138,10 +139,20 @@ impl TeachReport {
     }
 
     fn one_person(&self) -> Option<String> {
-        (self.used() > 1 && self.one_person > 0.5).then(|| {
+        (self.used() > 1 && self.people.one_person > 0.5).then(|| {
             "one person seems to have shown the runs, so other people are given more room. \
-             If it was not one, begin the names of its runs with p1_, p2_ and so on"
+             If several people showed them, begin the names of the runs with p1_, p2_ and so on"
                 .to_owned()
+        })
+    }
+
+    fn variety(&self) -> Option<String> {
+        let variety = self.people.variety;
+        (variety > 1.0).then(|| {
+            format!(
+                "those who showed the runs differ up to {variety:.1} times as much as people in general, and bounds are as much wider. \
+                 Small faults are right then: where one run is not as the work should be, teach without it"
+            )
         })
     }
 
@@ -177,7 +188,7 @@ impl TeachReport {
         let (one, next) =
             self.ius.iter().zip(self.ius.iter().skip(1)).find(|(one, next)| is_same(one, next))?;
         Some(format!(
-            "step {}, IU {} and IU {} look the same ({}). Their order and where they end is not judged: put a marker where the part comes to lie",
+            "step {}, IU {} and IU {} look the same ({}). Their order and where they end are not judged: put a marker where the part comes to lie",
             one.activity + 1,
             one.iu + 1,
             next.iu + 1,
