@@ -64,7 +64,7 @@ fn a_track_file_that_was_cut_off_is_played_to_the_cut_and_nothing_is_said_of_its
     // In the middle of the work: the job is not done.
     std::fs::write(line.tracks(), &bytes[..bytes.len() * 3 / 5]).unwrap();
     let mut watcher = line.launch();
-    line.wait_for_log("perceive", "AND-210", "nothing is said of what came then");
+    line.wait_for_log("perceive", "AND-210", "Nothing is said of what came then");
     watcher.until("the end of perceive", |watcher| !watcher.is(RoleId::Perceive, RoleState::Running));
     line.stop();
     watcher.listen(std::time::Duration::ZERO);

@@ -116,7 +116,7 @@ impl Channel {
             Self::Journalled => {
                 Qos { buffer: 128, history: 0, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 31 }
             }
-            // Only the newest counts. 4 per writer, so that a reader that looks once per second misses none at 2 Hz. 16 writers: 11 roles, and those
+            // Only the newest counts. 4 per writer, so that a reader that looks once per second misses none at 2 Hz. 16 writers: 10 roles, and those
             // that are dead and not yet removed. 16 readers: plc, journal, programs in C, and every `andond status` that somebody has left stopped in
             // a terminal.
             Self::Health => {

@@ -26,7 +26,9 @@ pub(super) fn uri(path: &Path, parameter: &str) -> String {
     let escaped: String = bytes
         .map(|byte| if plain(*byte) { char::from(*byte).to_string() } else { format!("%{byte:02x}") })
         .collect();
-    format!("file:{escaped}?{parameter}")
+    // A path with two slashes in front would name a machine.
+    let machine = if escaped.starts_with('/') { "//" } else { "" };
+    format!("file:{machine}{escaped}?{parameter}")
 }
 
 /// Renames the database and what lies beside it. Returns the new name, which no file had.

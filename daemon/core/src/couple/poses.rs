@@ -139,7 +139,7 @@ impl HandPose {
     }
 
     /// The pose in the next frame if the hand is not seen in it.
-    pub(super) fn held(self) -> Self {
+    pub(super) fn kept(self) -> Self {
         match self.source {
             Source::Never => self,
             _ => Self { source: Source::Kept, unseen: self.unseen.saturating_add(1), held_at: None, ..self },
@@ -227,7 +227,7 @@ impl ObjectPose {
 
     /// The pose in the next frame if the object is not seen in it and no hand carries it. An object is `covered` by a hand only from
     /// the frame on in which it vanished. Where a hand that carries it goes unseen, nothing is assumed.
-    pub(super) fn held(self, covered: bool) -> Self {
+    pub(super) fn kept(self, covered: bool) -> Self {
         let source = match self.source {
             Source::Never => return self,
             Source::Kept => Source::Kept,

@@ -46,7 +46,8 @@ pub struct Measures {
     /// How often it may have reversed in addition: it was seen to come back, and how far was in a frame that is missing.
     pub cut_reversals: u32,
     /// By how much the strokes before reversals may have been longer in addition, and those behind them as well, in metres. That is so where the frame
-    /// just before or behind the farthest one that was seen is missing. A hand is about to reverse there, so its pace beside that frame bounds it.
+    /// just before or behind the farthest one that was seen is missing. A hand is about to reverse there, so its pace beside that frame bounds it. It
+    /// counts for 15 mm at most.
     pub cut_m: f32,
     /// The share of the frames that were not seen, where what happened in them cannot be known; 0 to 1.
     pub hidden: f32,
@@ -86,7 +87,7 @@ struct Beyond {
 impl Beyond {
     /// With others that are missing as well.
     fn and(self, other: Self) -> Self {
-        let pace_m = if self.is_open { f32::INFINITY } else { self.pace_m.max(other.pace_m) };
+        let pace_m = self.pace_m.max(other.pace_m);
         Self { frames: self.frames.saturating_add(other.frames), pace_m, ..other }
     }
 
@@ -97,7 +98,7 @@ impl Beyond {
         }
     }
 
-    /// How far beyond the farthest position the motion may have gone. A hand is about to reverse there, and no faster than twice what was seen.
+    /// How far beyond the farthest position the motion may have gone. A hand that is about to reverse is hardly ever faster than twice what was seen.
     fn most_m(&self) -> f32 {
         if self.is_open { f32::INFINITY } else { HIDDEN_SLACK * self.frames as f32 * self.pace_m }
     }

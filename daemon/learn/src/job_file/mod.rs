@@ -115,7 +115,7 @@ pub struct TaughtStep {
     /// Whether all runs have it.
     #[serde(rename = "required")]
     pub is_required: bool,
-    /// The nominal activities, by their indices in the job, that do a part of what other runs do in one and that it completes.  It is required where
+    /// The nominal activities, by their indices in the job, that do a part of what other runs do in one and that it completes. It is required where
     /// one of them was done.
     #[serde(default)]
     pub completes: Vec<u16>,

@@ -208,7 +208,7 @@ pub(super) fn other_text(line: &[u8]) -> Option<&'static str> {
         }
         [b'{', ..] | [] => return None,
         _ => {
-            "it is no JSON, as where a table (CSV) has the name of a track file. Its lines are one JSON object each: a header, then a frame in each"
+            "it is no JSON, as where a table (CSV) has the name of a track file. The lines of a track file are one JSON object each: a header, then a frame in each"
         }
     })
 }

@@ -207,7 +207,7 @@ impl Scene {
             if before.source == Source::Carried && seen.is_some_and(is_elsewhere) {
                 poses.revise(before.unseen, |pose| pose.source = Source::Kept);
             }
-            poses.push(seen.unwrap_or(before.held()));
+            poses.push(seen.unwrap_or(before.kept()));
         }
     }
 
@@ -241,7 +241,7 @@ impl Scene {
             let mut pose = match (seen, carrier) {
                 (Some(pose), _) => pose,
                 (None, Some((grip, hand))) => grip.carried(hand, before),
-                _ => before.held(self.hands.iter().any(covers)),
+                _ => before.kept(self.hands.iter().any(covers)),
             };
             if node.shape.is_position_only {
                 pose.orientation = UPRIGHT;
