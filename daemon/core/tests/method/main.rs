@@ -10,6 +10,7 @@ mod dtw_golden;
 mod encoder;
 mod encoder_beside;
 mod encoder_doubt;
+mod encoder_laws;
 mod encoder_names;
 mod encoder_noise;
 mod judge;
