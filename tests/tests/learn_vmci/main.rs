@@ -131,7 +131,7 @@ fn where_nothing_but_the_box_is_known_right_runs_are_right_and_faults_are_found(
     for (left_out, number) in drawn_runs() {
         let (job, report) =
             taught_by_others(&runs, left_out, &TeachOptions::new("there and back", "", method));
-        let same = "step 1, IU 1 and IU 2 look the same (right hand with box). Their order and where they end is not judged: put \
+        let same = "step 1, IU 1 and IU 2 look the same (right hand with box). Their order and where they end are not judged: put \
                     a marker where the part comes to lie";
         assert!(report.warnings().iter().any(|warning| warning.text == same), "{report}");
         let judged = |capture: Capture| jobs(&run(capture).judge(&job).unwrap());
