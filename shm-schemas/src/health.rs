@@ -32,6 +32,13 @@ codes! {
     }
 }
 
+impl RoleId {
+    /// Whether it is no part of the way from a picture to its verdict, so that the line watches without it.
+    pub const fn is_beside(self) -> bool {
+        matches!(self, Self::Steward | Self::Journal | Self::Plc | Self::Metrics | Self::Record | Self::Board)
+    }
+}
+
 codes! {
     /// What a role is doing.
     enum RoleState: u8 {

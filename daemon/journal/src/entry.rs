@@ -44,9 +44,8 @@ pub struct NotWatching {
 impl NotWatching {
     /// Whether the line watched all the same: only a process beside the data path was down.
     pub fn is_beside(&self) -> bool {
-        [RoleId::Steward, RoleId::Journal, RoleId::Plc, RoleId::Metrics, RoleId::Record, RoleId::Board]
-            .iter()
-            .any(|role| self.why.strip_suffix(" was down") == Some(role.name()))
+        let role = self.why.strip_suffix(" was down");
+        RoleId::ALL.iter().any(|of| of.is_beside() && role == Some(of.name()))
     }
 
     /// What was wrong, in a sentence; the word itself where this build does not know it.

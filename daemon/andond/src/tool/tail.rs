@@ -122,16 +122,7 @@ impl Printer<'_> {
             return print_json(&NotWatchingLine::of_outage(outage));
         }
         let role = outage.role.name();
-        let is_beside = matches!(
-            outage.role,
-            RoleId::Steward
-                | RoleId::Journal
-                | RoleId::Plc
-                | RoleId::Metrics
-                | RoleId::Record
-                | RoleId::Board
-        );
-        let what = if is_beside { "" } else { "not watching " };
+        let what = if outage.role.is_beside() { "" } else { "not watching " };
         let began = self.clock.time_of(outage.began);
         match outage.ended.map(|ended| self.clock.time_of(ended)) {
             None => eprintln!("{what}since {began}: {role} is down"),

@@ -70,6 +70,7 @@ fn read(path: &Path) -> Read {
             past.unwatched.push([began_utc_ns, began(&entry)]);
         }
         match entry {
+            Entry::NotWatching(of) if of.is_beside() => (),
             Entry::Verdict(verdict) if Board::keeps(&verdict) => past.verdicts.push(*verdict),
             Entry::NotWatching(NotWatching { began_utc_ns, ended_utc_ns: Some(end_utc_ns), .. }) => {
                 past.unwatched.push([began_utc_ns, end_utc_ns]);
