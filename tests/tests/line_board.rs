@@ -3,7 +3,7 @@
 
 use andon_ipc::{Node, Stop};
 use andon_tests::browser::{Browser, Tab};
-use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, andond, ask, status};
+use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, andond, ask, free_port, status};
 use andon_tests::simulator::Flaw;
 use serde_json::json;
 use shm_schemas::RoleId;
@@ -20,7 +20,7 @@ const TWICE: [u32; 2] = [960, 540];
 
 /// Gives a line a board, and returns its port.
 fn with_board(line: &Line) -> u16 {
-    let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let port = free_port();
     line.reconfigure("[plc]\n", &format!("[board]\nenable = true\nport = {port}\n\n[plc]\n"));
     port
 }

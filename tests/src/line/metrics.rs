@@ -1,10 +1,10 @@
 //! The metrics of a running line, fetched as a monitoring system fetches them.
 
-use super::{Line, PATIENCE, Watcher};
+use super::{Line, PATIENCE, Watcher, free_port};
 use shm_schemas::{VerdictLevel, VerdictOutcome};
 use std::collections::BTreeMap;
 use std::io::{Read, Write};
-use std::net::{TcpListener, TcpStream};
+use std::net::TcpStream;
 
 /// Sends these bytes and reads until the server closes.
 pub fn ask(port: u16, request: &str) -> String {
@@ -58,7 +58,7 @@ pub fn verdicts(found: &BTreeMap<String, f64>) -> BTreeMap<String, f64> {
 
 /// Starts steward and metrics, which is before everything that they measure. Returns where the metrics are served.
 pub fn measure(line: &mut Line) -> u16 {
-    let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let port = free_port();
     line.reconfigure("[plc]\n", &format!("[metrics]\nenable = true\nport = {port}\n\n[plc]\n"));
     line.start("steward");
     line.start("metrics");
