@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::net::IpAddr;
 
 use andon_http::{Request, Response};
-use shm_schemas::{Health, JudgePhase, Judging, MessageId, RoleId, Verdict};
+use shm_schemas::{Health, JudgePhase, Judging, RoleId, Verdict, VerdictLevel};
 
 use crate::address::{Address, Page};
 use crate::clips::Clips;
@@ -16,6 +16,7 @@ use crate::picture::Picture;
 use crate::piece::Piece;
 use crate::pieces::Pieces;
 use crate::shift::Shift;
+use crate::told::fault_key;
 use crate::viewers::Viewers;
 use crate::watchers::Watchers;
 use crate::words::{Table, Tables};
@@ -158,7 +159,7 @@ impl Board {
     /// Whether it keeps this verdict to be looked for: right contacts and steps are none of that.
     #[must_use]
     pub fn keeps(verdict: &Verdict) -> bool {
-        page::is_event(verdict)
+        fault_key(verdict).is_some() || verdict.level() == Ok(VerdictLevel::Job)
     }
 
     /// What the journal has. What has come from the channel meanwhile follows.
@@ -307,17 +308,12 @@ impl Board {
     pub(crate) fn health_of(&self, role: RoleId) -> Option<&Health> {
         self.healths.iter().find(|health| health.role == role.code())
     }
-
-    pub(crate) fn clip_of(&self, verdict: MessageId) -> Option<&str> {
-        self.clips.of(verdict)
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::sample::{right, settings};
-    use shm_schemas::VerdictLevel;
 
     fn piece(seq: u64) -> Verdict {
         let mut verdict = right(VerdictLevel::Job, 0);

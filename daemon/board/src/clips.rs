@@ -6,15 +6,15 @@ use shm_schemas::MessageId;
 
 /// The clips by the verdicts that they show.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Clips(HashMap<(u64, u64), String>);
+pub struct Clips(HashMap<MessageId, String>);
 
 impl Clips {
     /// The verdicts and the names of their clips.
     pub fn new(clips: impl IntoIterator<Item = (MessageId, String)>) -> Self {
-        Self(clips.into_iter().map(|(verdict, name)| ((verdict.epoch, verdict.seq), name)).collect())
+        Self(clips.into_iter().collect())
     }
 
     pub(crate) fn of(&self, verdict: MessageId) -> Option<&str> {
-        self.0.get(&(verdict.epoch, verdict.seq)).map(String::as_str)
+        self.0.get(&verdict).map(String::as_str)
     }
 }

@@ -8,21 +8,13 @@ mod state;
 mod technician;
 mod worker;
 
-use shm_schemas::{Verdict, VerdictLevel};
-
 use crate::address::{Address, Page};
 use crate::board::Board;
 use crate::html::Html;
-use crate::told::fault_key;
 use crate::words::Table;
 
 pub(crate) use picture::drawn;
 pub(crate) use state::state;
-
-/// Whether people look for it afterwards.
-pub(crate) fn is_event(verdict: &Verdict) -> bool {
-    fault_key(verdict).is_some() || verdict.level() == Ok(VerdictLevel::Job)
-}
 
 /// What changes on a page: elements with ids.
 pub(crate) fn view(board: &Board, address: &Address) -> String {
@@ -53,7 +45,7 @@ pub(crate) fn whole(board: &Board, address: &Address) -> String {
         Page::Worker => worker::draw(&mut html, board, words),
         Page::Technician => technician::draw_whole(&mut html, board, words, address),
     }
-    links(&mut html, board, words, address);
+    links(&mut html, board, (lang, words), address);
     html.raw("</body></html>\n");
     html.finish()
 }
@@ -74,13 +66,12 @@ fn lost(html: &mut Html, words: &Table) {
 }
 
 /// The way to the other page and to the other languages.
-fn links(html: &mut Html, board: &Board, words: &Table, address: &Address) {
+fn links(html: &mut Html, board: &Board, (own, words): (&str, &Table), address: &Address) {
     html.raw("<footer><nav aria-label=\"").text(words.say("label.pages")).raw("\">");
     for (page, key) in [(Page::Worker, "label.worker"), (Page::Technician, "label.technician")] {
         link(html, &Address { page, ..address.clone() }, words.say(key), page == address.page);
     }
     html.raw("</nav><nav aria-label=\"").text(words.say("label.languages")).raw("\">");
-    let (own, _) = board.words(address);
     for (code, name) in board.settings.tables.languages() {
         link(html, &Address { lang: code.to_owned(), ..address.clone() }, name, code == own);
     }

@@ -1,6 +1,6 @@
 //! What the technician looks up: how the line and its roles are, and what has happened, newest first.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 use shm_schemas::{Health, RoleId, RoleState, Verdict, VerdictLevel};
 
@@ -147,15 +147,8 @@ fn message(html: &mut Html, board: &Board, number: u32) {
 
 /// The faults that the events have, to choose from.
 fn filter(html: &mut Html, board: &Board, words: &Table, address: &Address) {
-    let mut counts = BTreeMap::<String, usize>::new();
-    for key in board
-        .events
-        .iter()
-        .filter_map(fault_key)
-        .chain(Some(address.fault.clone()).filter(|key| words.has(key)))
-    {
-        *counts.entry(key).or_default() += 1;
-    }
+    let asked = Some(address.fault.clone()).filter(|key| words.has(key));
+    let keys: BTreeSet<String> = board.events.iter().filter_map(fault_key).chain(asked).collect();
     html.element(
         "<form id=\"filter\" action=\"/technician\"><label for=\"fault\">",
         words.say("label.fault"),
@@ -164,7 +157,7 @@ fn filter(html: &mut Html, board: &Board, words: &Table, address: &Address) {
     html.raw("<select id=\"fault\" name=\"fault\"><option value=\"\">")
         .text(words.say("label.all_faults"))
         .raw("</option>");
-    for key in counts.keys() {
+    for key in &keys {
         html.raw("<option value=\"").text(key).raw(if *key == address.fault {
             "\" selected>"
         } else {
@@ -248,7 +241,7 @@ fn event(html: &mut Html, board: &Board, words: &Table, address: &Address, verdi
         plot::measure(html, values);
     }
     html.element("</td><td>", verdict.part.text(), "</td>");
-    html.element("<td>", board.clip_of(verdict.stamp.id()).unwrap_or("\u{2013}"), "</td></tr>");
+    html.element("<td>", board.clips.of(verdict.stamp.id()).unwrap_or("\u{2013}"), "</td></tr>");
 }
 
 /// The outcome as a sign, beside its word and its colour.
