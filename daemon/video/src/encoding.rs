@@ -1,7 +1,7 @@
 //! How a V4L2 device sends its pictures, and how they come into a frame. They come as they are, so that nothing is converted that nobody looks at, or
 //! are decoded straight into it.
 
-use crate::OpenError;
+use crate::{OpenError, jpeg};
 use andon_host::config::Encoding as Configured;
 use andon_host::video::pipe::PictureFormat;
 use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, ToInputArray, Vec2b, Vec3b};
@@ -184,26 +184,19 @@ fn keep(jpeg: &[u8], room: &mut [u8]) -> u32 {
 
 /// Whether the segments before the picture follow each other, and its tables are among them (ITU-T T.81, DHT before SOS). In Motion JPEG these may be
 /// left out, because all pictures have the same. Some cameras put stray bytes between segments: OpenCV skips them, and not every program does.
-fn is_for_every_program(jpeg: &[u8]) -> bool {
-    const TABLES: u8 = 0xc4;
-    const SCAN: u8 = 0xda;
-    let Some(mut rest) = jpeg.strip_prefix(&[0xff, 0xd8]) else { return false };
+fn is_for_every_program(file: &[u8]) -> bool {
+    let Some(mut rest) = file.strip_prefix(&jpeg::START) else { return false };
     let mut has_tables = false;
-    loop {
-        rest = match *rest {
-            // Padding.
-            [0xff, 0xff, ..] => &rest[1..],
-            [0xff, SCAN, ..] => return has_tables,
-            [0xff, kind, high, low, ..] => {
-                has_tables |= kind == TABLES;
-                // Without the marker itself.
-                let length = usize::from(u16::from_be_bytes([high, low]));
-                let Some(after) = rest.get(2 + length..) else { return false };
-                after
-            }
-            _ => return false,
-        };
+    while let Some((kind, after)) = jpeg::next_marker(rest) {
+        match kind {
+            jpeg::SCAN => return has_tables,
+            // Nothing comes before the picture that has no length.
+            kind if jpeg::is_alone(kind) => return false,
+            kind => has_tables |= kind == jpeg::TABLES,
+        }
+        rest = after;
     }
+    false
 }
 
 /// Whether the last bytes are the marker of an end.

@@ -10,6 +10,7 @@ mod encoding;
 mod error;
 pub mod film;
 mod folder;
+mod jpeg;
 mod rate;
 #[cfg(feature = "realsense")]
 mod realsense;

@@ -1,5 +1,7 @@
 //! Whether the file of a picture is whole: a decoder shows grey in place of what is missing, and says nothing.
 
+use crate::jpeg;
+
 /// Whether a picture ends before it says that it is at its end. Any other format is left to its decoder.
 pub(crate) fn is_cut(bytes: &[u8]) -> bool {
     match bytes {
@@ -12,33 +14,18 @@ pub(crate) fn is_cut(bytes: &[u8]) -> bool {
 
 /// Whether a JPEG has its end. Behind the head of each scan its data follow, in which a marker is no 0 and no restart.
 fn jpeg_ends(bytes: &[u8]) -> bool {
-    const END: u8 = 0xd9;
-    const SCAN: u8 = 0xda;
-    const RESTARTS: std::ops::RangeInclusive<u8> = 0xd0..=0xd7;
-    let mut at = 0;
-    while let Some(&[mark, kind]) = bytes.get(at..).and_then(|rest| rest.first_chunk()) {
-        if mark != 0xff {
-            return false;
-        }
-        match kind {
-            END => return true,
-            // Padding.
-            0xff => at += 1,
-            0x01 | 0xd0..=0xd7 => at += 2,
-            _ => {
-                let Some(&[high, low]) = bytes.get(at + 2..).and_then(|rest| rest.first_chunk()) else {
-                    return false;
-                };
-                at += 2 + usize::from(u16::from_be_bytes([high, low]));
-                if kind == SCAN {
-                    let Some(data) = bytes.get(at..) else { return false };
-                    let is_marker =
-                        |pair: &[u8]| pair[0] == 0xff && pair[1] != 0 && !RESTARTS.contains(&pair[1]);
-                    let Some(length) = data.windows(2).position(is_marker) else { return false };
-                    at += length;
-                }
+    let mut rest = bytes;
+    while let Some((kind, after)) = jpeg::next_marker(rest) {
+        rest = match kind {
+            jpeg::END => return true,
+            jpeg::SCAN => {
+                let is_marker =
+                    |pair: &[u8]| pair[0] == 0xff && pair[1] != 0 && !jpeg::RESTARTS.contains(&pair[1]);
+                let Some(length) = after.windows(2).position(is_marker) else { return false };
+                &after[length..]
             }
-        }
+            _ => after,
+        };
     }
     false
 }
