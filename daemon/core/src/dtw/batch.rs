@@ -79,7 +79,7 @@ fn last_cell(
     let [frames, reference] = if a.len() <= b.len() { [a, b] } else { [b, a] };
     scratch.begin(costs, reference);
     for frame in frames {
-        if costs.advance(&mut scratch.row, frame, reference, &scratch.symbols) > bound {
+        if costs.advance(scratch, frame, reference) > bound {
             return Ok(None);
         }
     }

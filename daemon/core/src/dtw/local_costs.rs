@@ -1,7 +1,8 @@
 //! The local costs and the fastest way to sum them on this processor.
 
+use super::batch::Scratch;
 use super::cost::{IntegerCosts, UNREACHED};
-use super::row::{Row, slot};
+use super::row::slot;
 use super::simd::Simd;
 use super::symbols::{BLOCK, Symbols};
 use crate::couple::Motion;
@@ -41,14 +42,9 @@ impl LocalCosts {
         self.simd.iter().for_each(|simd| simd.read(motions, symbols));
     }
 
-    /// Computes the next row in place by the fastest path and returns its minimum. `symbols` are those of the reference.
-    pub(super) fn advance(
-        &self,
-        row: &mut Row,
-        frame: &Motion,
-        reference: &[Motion],
-        symbols: &Symbols,
-    ) -> i32 {
+    /// Computes the next row in place by the fastest path and returns its minimum. It began with this reference.
+    pub(super) fn advance(&self, scratch: &mut Scratch, frame: &Motion, reference: &[Motion]) -> i32 {
+        let Scratch { row, symbols } = scratch;
         if let Some(simd) = &self.simd
             && let Some(min) = simd.advance(frame, symbols, row)
         {

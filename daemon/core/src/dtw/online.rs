@@ -1,9 +1,8 @@
 //! One reference, frame by frame.
 
+use super::batch::Scratch;
 use super::cost::ORIGIN;
 use super::local_costs::LocalCosts;
-use super::row::Row;
-use super::symbols::Symbols;
 use super::{Refused, check};
 use crate::capacity::IU_FRAMES;
 use crate::couple::Motion;
@@ -13,9 +12,8 @@ use crate::couple::Motion;
 pub struct OnlineDtw<'a> {
     costs: LocalCosts,
     reference: &'a [Motion],
-    symbols: Symbols,
-    /// The newest row: for each frame of the reference the minimum sum of a path that ends there.
-    row: Row,
+    /// Its row is the newest one: for each frame of the reference the minimum sum of a path that ends there.
+    scratch: Scratch,
     /// Frames appended.
     frames: usize,
     /// Minimum of the newest row.
@@ -28,14 +26,8 @@ impl<'a> OnlineDtw<'a> {
     /// # Errors
     /// If the reference is empty or longer than [`IU_FRAMES`].
     pub fn new(costs: &LocalCosts, reference: &'a [Motion]) -> Result<Self, Refused> {
-        let mut online = Self {
-            costs: costs.clone(),
-            reference,
-            symbols: Symbols::new(),
-            row: Row::new(),
-            frames: 0,
-            min: ORIGIN,
-        };
+        let mut online =
+            Self { costs: costs.clone(), reference, scratch: Scratch::new(), frames: 0, min: ORIGIN };
         online.begin(reference)?;
         Ok(online)
     }
@@ -47,8 +39,7 @@ impl<'a> OnlineDtw<'a> {
     pub fn begin(&mut self, reference: &'a [Motion]) -> Result<(), Refused> {
         check(reference)?;
         self.reference = reference;
-        self.costs.read(reference, &mut self.symbols);
-        self.row.begin(reference.len());
+        self.scratch.begin(&self.costs, reference);
         self.frames = 0;
         self.min = ORIGIN;
         Ok(())
@@ -62,7 +53,7 @@ impl<'a> OnlineDtw<'a> {
         if self.frames == IU_FRAMES {
             return Err(Refused::TooLong { frames: IU_FRAMES + 1 });
         }
-        self.min = self.costs.advance(&mut self.row, frame, self.reference, &self.symbols);
+        self.min = self.costs.advance(&mut self.scratch, frame, self.reference);
         self.frames += 1;
         Ok(())
     }
@@ -70,12 +61,13 @@ impl<'a> OnlineDtw<'a> {
     /// Appends any number of frames of which nothing is known: each costs nothing, whatever frames of the reference it is paired with.
     /// The distance then is the least that any motion in them could have led to.
     pub fn append_unknown(&mut self) {
-        self.row.advance_free(self.reference.len());
+        self.scratch.row.advance_free(self.reference.len());
     }
 
     /// The distance of all appended frames to the reference, as [`distance`](super::distance) in every bit; `None` before the first.
     pub fn distance(&self) -> Option<f64> {
-        (self.frames > 0).then(|| self.costs.integers.distance_of(self.row.cell(self.reference.len() - 1)))
+        (self.frames > 0)
+            .then(|| self.costs.integers.distance_of(self.scratch.row.cell(self.reference.len() - 1)))
     }
 
     /// A lower bound of the distance, whatever frames are appended. It comes from the minimum of the newest row, which never falls, because every

@@ -36,7 +36,7 @@ pub fn path<'m>(
     let Some(blocks) = memory.get_mut(..needed) else { return Err(Refused::Memory { needed, given }) };
     scratch.begin(costs, b);
     for (frame, blocks) in a.iter().zip(blocks.chunks_exact_mut(per_row)) {
-        costs.advance(&mut scratch.row, frame, b, &scratch.symbols);
+        costs.advance(scratch, frame, b);
         blocks.copy_from_slice(&scratch.row.blocks[..per_row]);
     }
     let distance = costs.integers.distance_of(scratch.row.cell(b.len() - 1));

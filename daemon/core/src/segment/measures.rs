@@ -64,14 +64,14 @@ impl Measures {
 }
 
 /// Which frames are missing since just before the position that is farthest.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default)]
 enum Gap {
     #[default]
     None,
     /// Only others than the one just before that position, and the one just behind it.
     Later,
     /// One of these two.
-    Beside,
+    Beside(Beyond),
 }
 
 /// Frames that are missing beside the farthest position, and the pace beside them.
@@ -132,9 +132,7 @@ pub(super) struct Meter {
     /// How far the motion has come back from the farthest position so far, and what was missing since just before that.
     returned_m: f32,
     gap: Gap,
-    /// By how much the motion may have gone beyond the farthest position where a frame beside that is missing, in metres.
-    beyond: Beyond,
-    /// The sum of that over the reversals.
+    /// By how much the motion may have gone beyond the farthest positions at which it reversed, where a frame beside one is missing, in metres.
     cut_m: f32,
     reversals: u32,
     /// The sum of the lengths of whole strokes.
@@ -155,7 +153,9 @@ impl Meter {
         let missing = self.unknown;
         let newest = self.newest.replace(position).filter(|_| missing == 0);
         let pace_m = newest.map_or(f32::INFINITY, |newest| distance(newest, position));
-        self.beyond.push(pace_m);
+        if let Gap::Beside(beyond) = &mut self.gap {
+            beyond.push(pace_m);
+        }
         self.end_gap();
         self.known = self.known.saturating_add(1);
         for (sum, value) in self.sum.iter_mut().zip(position) {
@@ -207,10 +207,13 @@ impl Meter {
     /// The motion has reversed at the farthest position once it has come back from there. `missing` frames have no position just before this one.
     fn turn(&mut self, position: Point, missing: u32) {
         let beyond = Beyond { frames: missing, pace_m: self.pace_m, is_open: true };
-        match missing {
-            0 => (),
-            _ if self.returned_m > 0.0 => self.gap = self.gap.max(Gap::Later),
-            _ => self.gap_beside(if self.gap == Gap::Beside { self.beyond.and(beyond) } else { beyond }),
+        if missing > 0 {
+            self.gap = match self.gap {
+                Gap::Beside(before) if self.returned_m == 0.0 => Gap::Beside(before.and(beyond)),
+                Gap::Beside(before) => Gap::Beside(before),
+                _ if self.returned_m > 0.0 => Gap::Later,
+                _ => Gap::Beside(beyond),
+            };
         }
         let length_m = distance(self.reversed, self.farthest);
         if distance(self.reversed, position) > length_m {
@@ -221,32 +224,28 @@ impl Meter {
             // What comes before the first reversal is the way to the first stroke.
             self.strokes_m += if self.reversals > 0 { length_m } else { 0.0 };
             self.reversals = self.reversals.saturating_add(1);
-            self.cut_m += if self.gap == Gap::Beside { self.beyond.most_m().min(MOVED_M) } else { 0.0 };
+            if let Gap::Beside(beyond) = self.gap {
+                self.cut_m += beyond.most_m().min(MOVED_M);
+            }
             (self.reversed, self.farthest) = (self.farthest, position);
         } else {
             self.returned_m = self.returned_m.max(distance(self.farthest, position));
             return;
         }
-        (self.returned_m, self.gap) = (0.0, Gap::None);
-        if missing > 0 {
-            self.gap_beside(beyond);
-        }
-    }
-
-    fn gap_beside(&mut self, beyond: Beyond) {
-        (self.gap, self.beyond) = (Gap::Beside, beyond);
+        self.returned_m = 0.0;
+        self.gap = if missing > 0 { Gap::Beside(beyond) } else { Gap::None };
     }
 
     /// Whether the motion may have come back too little to count only because the frame in which it was farthest is missing.
     fn may_have_reversed(&self) -> bool {
-        self.gap != Gap::None && self.returned_m > self.moved_m() / 2.0
+        !matches!(self.gap, Gap::None) && self.returned_m > self.moved_m() / 2.0
     }
 
     /// The measures so far, with those of the way of which the IU is the newest part.
     pub(super) fn measures(&self, way: &Way) -> Measures {
         let mut ended = *self;
         if self.unknown > 0 {
-            ended.gap = ended.gap.max(Gap::Later);
+            ended.gap = Gap::Later;
         }
         ended.end_gap();
         let per_path = |sum: f32| if self.path_m > 0.0 { sum / self.path_m } else { 0.0 };
