@@ -3,13 +3,13 @@
 //! A context is believed once it was seen in three of the five frames from its beginning on. Meanwhile, and while nothing is seen, the one before
 //! goes on.
 
+use super::hiding::PERSIST;
 use andon_core::couple::{Context, Couple, Couples, Unseen, Visibility};
 use proptest::prelude::*;
 
-/// The frames in which a change is believed, and how many of them must be known for that. The last is how long what is not seen is assumed to go on.
-const PERSIST: usize = 5;
+/// How many of the frames in which a change is believed must be known for that, and for how many what is not seen is assumed to go on (`blind_ms`).
 const KNOWN: usize = 3;
-const BLIND: usize = 21;
+pub(crate) const BLIND: usize = 21;
 
 /// A stretch in which a hand is not seen.
 pub(crate) type Gap = (usize, usize, usize);

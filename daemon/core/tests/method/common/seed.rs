@@ -1,6 +1,7 @@
 //! The seeds of properties that must never fail: one that has always been tried, and a drawn one.
 
 use super::cases::{self, KNOWN};
+use andon_rate::Rate;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
@@ -42,6 +43,16 @@ pub(crate) fn with_known_and_drawn_seed<S: Strategy>(
             panic!("PROPTEST_RNG_SEED={seed}: {failed}");
         }
     }
+}
+
+/// What is wrong of the cases of a seed, as [`wrong_cases`] says it, is never so of the known seed, and of a drawn one with no more than this share.
+pub(crate) fn hardly_ever(rate: f64, what: &str, wrong: impl Fn(u64) -> (Vec<String>, usize)) {
+    let (of_known, _) = wrong(KNOWN);
+    assert!(of_known.is_empty(), "{of_known:#?}");
+    let seed = drawn();
+    let (of_drawn, cases) = wrong(seed);
+    println!("PROPTEST_RNG_SEED={seed} repeats this draw: {of_drawn:#?}");
+    Rate::new(of_drawn.len(), cases).expect_at_most(rate, what);
 }
 
 /// What is said of the cases of this seed that are wrong, of as many cases, and their number.
