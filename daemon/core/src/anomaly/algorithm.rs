@@ -220,6 +220,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// The open IU continues with `couple`. Decides what can be decided before its end.
     pub(super) fn continue_iu(&mut self, couple: &Couple, measures: Measures, progress: &mut Progress<'a>) {
+        self.watch_held(couple, progress);
         let is_forgotten = self.activity.is_none() && self.doubt.is_certain() && !self.doubt.may_be_remainder;
         if is_forgotten {
             self.occlusions.forget();
@@ -234,7 +235,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         iu.observation.push(couple, measures, progress.job.is_done_by(self.side.other()));
         // While the hand is hidden, the IU may have ended already.
         iu.observation.gap_after = if couple.lacks(Unseen::CONTEXT) { self.doubt.gap() } else { 0 };
-        let Some(iu) = self.iu else { return };
+        let Some(iu) = self.iu.filter(|_| self.held.is_none()) else { return };
         let candidates = self.activity.as_ref().map_or(ActivitySet::EMPTY, OpenActivity::candidates);
         if !couple.is_in_sight() {
             self.conclude_unseen(progress);
@@ -320,6 +321,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             self.conclude_unjudged(Reason::Overload, progress);
         } else if may_pass {
             self.conclude_passing(progress);
+        } else if observation.may_be_part && self.hold_back(observation, progress) {
+            // It has its verdict once it is certain that it has ended.
         } else {
             self.decide_by_motion(observation, progress);
         }
@@ -366,12 +369,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             self.keep_right(observation);
             self.conclude_right(Some(nearest), progress);
         } else {
-            let nominal = Some(nearest.nominal);
-            if let Some(activity) = &mut self.activity {
-                activity.follow(nominal, nearest.index + 1);
-            }
-            let wrong = Finding::of(Outcome::Anomaly, nearest.reason, nominal);
-            self.conclude_iu(Finding { result: Some(nearest), ..wrong }, progress);
+            self.conclude_wrong(nearest, progress);
         }
     }
 

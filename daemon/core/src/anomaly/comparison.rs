@@ -53,6 +53,11 @@ pub(super) struct ComparisonResult {
 }
 
 impl ComparisonResult {
+    /// A rule is broken, whatever was not seen.
+    pub(super) fn is_certainly_wrong(&self) -> bool {
+        self.reason != Reason::None && !self.is_doubtful
+    }
+
     /// The distance as a multiple of the threshold: a measure of how near the IU is.
     pub(super) fn ratio(&self) -> f64 {
         let threshold = f64::from(self.threshold);

@@ -4,6 +4,7 @@ use super::activity::{OpenActivity, Step};
 use super::comparison::{ComparisonResult, Comparisons, Memory};
 use super::grip::LastIu;
 use super::hand_doubt::HandDoubt;
+use super::held::Held;
 use super::interrupted::Interrupted;
 use super::observation::IuObservation;
 use super::occlusion::{Cause, OcclusionLog};
@@ -41,6 +42,7 @@ pub(super) struct HandJudge<'a, M> {
     pub(super) activity: Option<OpenActivity>,
     pub(super) iu: Option<OpenIu>,
     pub(super) interrupted: Option<Interrupted>,
+    pub(super) held: Option<Held>,
     /// Of the open activity, and of the doubt before it.
     pub(super) occlusions: OcclusionLog,
     /// The last IU of its newest activity, if that is not wrong and the job goes on.
@@ -97,6 +99,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             activity: None,
             iu: None,
             interrupted: None,
+            held: None,
             occlusions: OcclusionLog::new(side, method.period_ns()),
             last_done: None,
             newest_unjudged: None,
@@ -125,7 +128,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn is_resting(&self) -> bool {
         let is_untaught = self.activity.as_ref().is_some_and(|activity| activity.step == Step::Untaught);
         let may_rest = |iu: OpenIu| is_untaught || iu.context.is_release();
-        self.iu.is_none_or(|iu| iu.is_concluded && may_rest(iu))
+        self.held.is_none() && self.iu.is_none_or(|iu| iu.is_concluded && may_rest(iu))
     }
 
     /// This couple shows the hand at a step of the job.
@@ -217,6 +220,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// Gives the verdict on the IU, once, and if it is wrong the one on the activity.
     pub(super) fn conclude_iu(&mut self, finding: Finding, progress: &mut Progress<'a>) {
+        self.end_held(progress);
         let is_wrong = finding.outcome == Outcome::Anomaly;
         let cannot_accuse = self.cannot_accuse();
         let never_seen = self.activity.as_ref().and_then(|activity| activity.never_seen);

@@ -60,6 +60,7 @@ mod comparison;
 mod grip;
 mod hand;
 mod hand_doubt;
+mod held;
 mod instead;
 mod interrupted;
 mod measure;

@@ -26,6 +26,8 @@ pub(super) struct IuObservation {
     pub(super) gap_before: u32,
     /// It may have ended as many frames earlier.
     pub(super) gap_after: u32,
+    /// It may end as many frames later.
+    pub(super) may_go_on: u32,
     /// Its beginning or its end may be that of another stretch: the IU may be a part of one.
     pub(super) may_be_part: bool,
     /// What was not seen of it may have been something else.
@@ -83,7 +85,7 @@ impl IuObservation {
         let not_work = self.gap_after.saturating_add(shift).saturating_add(self.may_have_waited);
         [
             self.worked_frames().saturating_sub(not_work),
-            self.frames.saturating_add(self.gap_before).saturating_add(shift),
+            self.frames.saturating_add(self.gap_before).saturating_add(self.may_go_on).saturating_add(shift),
         ]
     }
 
@@ -91,7 +93,9 @@ impl IuObservation {
     pub(super) fn possible_reversals(&self) -> u32 {
         let scattered = (self.measures.hidden * self.frames as f32) as u32 / FRAMES_PER_REVERSAL;
         let hidden = self.measures.hidden_reversals.max(scattered);
-        hidden.max(self.measures.cut_reversals).saturating_add(self.gap_before / FRAMES_PER_REVERSAL)
+        hidden
+            .max(self.measures.cut_reversals)
+            .saturating_add((self.gap_before + self.may_go_on) / FRAMES_PER_REVERSAL)
     }
 
     /// How many reversals were hidden within the IU, if the hand went on at the pace at which it was seen. None where too much was hidden to know.
@@ -102,7 +106,7 @@ impl IuObservation {
 
     /// The share of the IU's frames in which something may have happened unseen; more than 1 if most of it lies in a gap.
     pub(super) fn hidden(&self) -> f32 {
-        let gaps = self.gap_before.saturating_add(self.gap_after);
+        let gaps = self.gap_before.saturating_add(self.gap_after).saturating_add(self.may_go_on);
         self.measures.hidden + gaps as f32 / self.frames.max(1) as f32
     }
 

@@ -122,6 +122,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// The activity has ended.
     pub(super) fn end_activity(&mut self, progress: &mut Progress<'a>) {
         self.end_interrupted(progress);
+        self.end_held(progress);
         let Some(activity) = &self.activity else { return };
         let nearest = activity.nearest.or(activity.candidates().lowest());
         let may_go_on = progress.is_end_assumed()
