@@ -93,16 +93,18 @@ impl IuObservation {
         ]
     }
 
-    /// The minimum and maximum of the mean length of a stroke. Each reversal that was not seen may have parted the strokes that were, or let one begin
-    /// earlier. All of them are a part of the path. Strokes may have been longer on both sides of a reversal.
+    /// The minimum and maximum of the mean length of a stroke. Each reversal that was not seen may have parted the strokes that were, or let one more
+    /// begin before them or end behind them: together they are a part of the path. Strokes may have been longer on both sides of a reversal.
     fn possible_stroke_m(&self, possible: Possible) -> [f32; 2] {
         let Measures { reversals, stroke_m, path_m, .. } = self.measures;
         let Some(stroke_m) = stroke_m else { return [0.0, f32::INFINITY] };
         let strokes = (reversals - 1) as f32;
         let sum_m = stroke_m * strokes;
-        let seen_m = if possible.reversals > 0 { path_m.max(sum_m) } else { sum_m };
-        let most_m = seen_m * (1.0 + possible.share) + ENDS as f32 * possible.cut_m;
-        [sum_m / (strokes + possible.reversals as f32), most_m / strokes]
+        let cut_m = ENDS as f32 * possible.cut_m;
+        // Unseen motion may have been a part of the one more.
+        let with_one_more_m = path_m.max(sum_m) * (1.0 + possible.share) + cut_m;
+        let most_m = if possible.reversals > 0 { with_one_more_m / (strokes + 1.0) } else { 0.0 };
+        [sum_m / (strokes + possible.reversals as f32), most_m.max((sum_m + cut_m) / strokes)]
     }
 
     /// What the measure is that breaks this rule, in its unit, beside what was shown of the IU. `rate_hz` is the frame rate of the grid.
