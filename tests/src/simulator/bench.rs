@@ -179,6 +179,22 @@ impl Bench {
         self.rest = add(shift, turn(self.rest, yaw));
     }
 
+    /// The ids of the parts that are farther from each other than this, in metres.
+    pub(super) fn apart(&self, min_m: f64) -> Vec<(u16, u16)> {
+        let points =
+            |(part, pose): &(Part, Pose)| part.points.iter().map(|own| pose.point(*own)).collect::<Vec<_>>();
+        let is_apart = |[one, other]: [&(Part, Pose); 2]| {
+            let near = |[x, y]: Vector, [to_x, to_y]: Vector| (to_x - x).hypot(to_y - y) < min_m;
+            !points(one).into_iter().any(|from| points(other).into_iter().any(|to| near(from, to)))
+        };
+        let pairs = self.parts.iter().flat_map(|one| self.parts.iter().map(move |other| [one, other]));
+        pairs
+            .filter(|[one, other]| one.0.id < other.0.id)
+            .filter(|pair| is_apart(*pair))
+            .map(|[one, other]| (one.0.id, other.0.id))
+            .collect()
+    }
+
     /// The pose of a part; the origin if it is not on the bench.
     pub(super) fn pose(&self, id: u16) -> Pose {
         let found = self.parts.iter().find(|(part, _)| part.id == id);

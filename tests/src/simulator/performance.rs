@@ -20,6 +20,10 @@ pub struct Performance {
     pub noise: Noise,
 }
 
+/// Parts whose points are farther from each other do not touch, however they are put back: `off_m` of their contact, and three times what they are
+/// moved by, in metres.
+const APART_M: f64 = 0.045 + 3.0 * 0.006;
+
 impl Performance {
     /// The person in this repetition, and the random numbers of what they do. `what` identifies what they do.
     pub(super) fn person(&self, what: u64) -> (Person, Random) {
@@ -28,10 +32,19 @@ impl Performance {
         (person, random)
     }
 
-    /// Moves the parts to the person's habitual poses, which are a little different in each repetition.
+    /// Moves the parts to the person's habitual poses, which are a little different in each repetition. Parts that lie apart by the plan lie apart in
+    /// every habit: the scripts say that a part that is put back touches no other.
     pub(super) fn settle(&self, bench: &mut Bench, person: &Person, random: &mut Random) {
         let mut habit = Random::new(self.seed, &[3, self.person]);
-        bench.jitter(&mut habit, 0.5 * person.layout_m, 0.05);
+        let (planned, apart) = (bench.clone(), bench.apart(APART_M));
+        loop {
+            bench.clone_from(&planned);
+            bench.jitter(&mut habit, 0.5 * person.layout_m, 0.05);
+            let habitual = bench.apart(APART_M);
+            if apart.iter().all(|pair| habitual.contains(pair)) {
+                break;
+            }
+        }
         bench.jitter(random, 0.006, 0.04);
     }
 
