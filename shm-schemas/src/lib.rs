@@ -51,7 +51,7 @@ pub use frame::{ColourFormat, DepthFormat, Distortion, Extrinsics, FrameHeader, 
 pub use health::{Health, RoleId, RoleState, Sight};
 pub use judging::{JudgePhase, Judging, Refusal};
 pub use layout::{Layout, bytes_of, from_bytes};
-pub use measured::MeasuredWords;
+pub use measured::{MeasuredWords, decimals};
 pub use part::{BadPart, PART_BYTES, PartId};
 pub use stamp::{Message, MessageId, Stamp};
 pub use verdict::{

@@ -89,13 +89,22 @@ impl fmt::Display for Shown {
 }
 
 /// The number of decimals, at least `min`, with which a value that differs from what was shown also looks different.
-fn decimals(values: [f32; 3], min: usize) -> usize {
-    let reads_apart = |decimals: &usize| {
-        let scale = [1.0, 10.0, 100.0][*decimals];
-        let [value, min, max] = values.map(|value| (scale * value + 0.5) as i64);
+/// The values are what was measured, the minimum and the maximum that were shown; none is negative.
+pub fn decimals(values: [f32; 3], min: usize) -> usize {
+    let looks_different = |decimals: &usize| {
+        let [value, min, max] = values.map(|value| digits(value, *decimals));
         value != min && value != max
     };
-    (min..=MAX_DECIMALS).find(reads_apart).unwrap_or(min)
+    (min..=MAX_DECIMALS).find(looks_different).unwrap_or(min)
+}
+
+/// The digits that are printed of a number with so many decimals. As in printing, a half goes to the even digit.
+fn digits(value: f32, decimals: usize) -> u64 {
+    // Exact: 24 bits times at most 7.
+    let scaled = f64::from(value) * [1.0, 10.0, 100.0][decimals];
+    let below = scaled as u64;
+    let rest = scaled - below as f64;
+    below + u64::from(rest > 0.5 || rest == 0.5 && below % 2 == 1)
 }
 
 #[cfg(test)]
@@ -121,6 +130,8 @@ mod tests {
         check(VerdictMeasure::Duration, [2.1, 4.8, 5.4], "2.1 s, shown 4.8 to 5.4 s");
         check(VerdictMeasure::Duration, [5.43, 4.8, 5.38], "5.43 s, shown 4.80 to 5.38 s");
         check(VerdictMeasure::Duration, [1.0, 1.0, 1.0], "1.0 s, shown 1.0 s");
+        // Printing makes 2.2 of both.
+        check(VerdictMeasure::Duration, [2.25, 1.0, 2.2], "2.25 s, shown 1.00 to 2.20 s");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use shm_schemas::{
     HandCode, NO_INDEX, OrderFault, Verdict, VerdictLevel, VerdictMeasure, VerdictNote, VerdictOutcome,
-    VerdictReason,
+    VerdictReason, decimals,
 };
 
 use crate::job::Job;
@@ -210,13 +210,7 @@ impl<'a> Amounts<'a> {
             _ => (100.0, 0),
         };
         let values = [verdict.measured, verdict.shown_min, verdict.shown_max].map(|value| scale * value);
-        // What differs from what was shown must also look different. More than a hundredth says nothing to anybody.
-        let looks = |value: f32, decimals: usize| format!("{value:.decimals$}");
-        let differs = |decimals: &usize| {
-            values[1..].iter().all(|shown| looks(*shown, *decimals) != looks(values[0], *decimals))
-        };
-        let decimals = (least..=2).find(differs).unwrap_or(least);
-        Self { measure, values, decimals, words }
+        Self { measure, values, decimals: decimals(values, least), words }
     }
 
     fn number(&self, value: f32) -> String {

@@ -48,10 +48,9 @@ impl Watchers {
     /// Whether one more page of this browser may come. The oldest of a browser makes way for its newest: it is the one that nobody looks at, or has
     /// lost its connection. All that give no name are one browser.
     pub(crate) fn make_room(&mut self, browser: &str) -> bool {
-        let is_own = |watcher: &&Watcher| watcher.browser == browser;
-        if self.0.iter().filter(is_own).count() >= OF_ONE_BROWSER
-            && let Some(oldest) = self.0.iter().position(|watcher| watcher.browser == browser)
-        {
+        let mut own = (0..self.0.len()).filter(|place| self.0[*place].browser == browser);
+        let oldest = own.next().filter(|_| own.count() + 1 >= OF_ONE_BROWSER);
+        if let Some(oldest) = oldest {
             // It may have gone.
             let _ = self.0.remove(oldest).feed.send(ELSEWHERE);
         }
@@ -74,13 +73,9 @@ impl Watchers {
     pub(crate) fn tell(&mut self, version: u64, now_ns: u64, draw: impl Fn(&Address) -> String) {
         let mut drawn = HashMap::<Address, Bytes>::new();
         self.0.retain_mut(|watcher| {
-            watcher.tell(version, now_ns, |address| match drawn.get(address) {
-                Some(message) => message.clone(),
-                None => {
-                    let message = Bytes::from(format!("event: show\ndata: {}\n\n", draw(address)));
-                    drawn.insert(address.clone(), message.clone());
-                    message
-                }
+            watcher.tell(version, now_ns, |address| {
+                let message = |address: &Address| format!("event: show\ndata: {}\n\n", draw(address)).into();
+                drawn.entry(address.clone()).or_insert_with_key(message).clone()
             })
         });
     }
