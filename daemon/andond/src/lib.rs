@@ -10,6 +10,7 @@
 mod backup;
 pub mod blackbox;
 pub mod cli;
+mod clock;
 pub mod compatibility;
 pub mod encoding;
 mod identity;

@@ -8,7 +8,7 @@ use andon_ipc::{Heartbeat, MonotonicTime};
 use andon_plc::handshake::{Fault, Line};
 use rustix::io::Errno;
 use rustix::process::{Pid, test_kill_process};
-use shm_schemas::{Health, RoleId, RoleState};
+use shm_schemas::{Health, RoleId, RoleState, Sight};
 
 use crate::sight;
 
@@ -101,6 +101,20 @@ impl LineHealth {
         }
     }
 
+    /// Whether a role is at the end of its recording.
+    pub(super) fn has_ended(&self) -> bool {
+        self.newest().any(|health| health.state == RoleState::Finished.code())
+    }
+
+    /// What is wrong with what `perceive` sees of its bench.
+    pub(super) fn trouble(&self) -> Option<Sight> {
+        self.newest().find_map(sight::trouble_of)
+    }
+
+    fn newest(&self) -> impl Iterator<Item = &Health> {
+        self.roles.iter().filter_map(|role| role.newest.as_ref())
+    }
+
     /// What keeps the line from being ready, in words.
     pub(super) fn cause(&self) -> String {
         match self.culprit {
@@ -169,7 +183,6 @@ fn lives(pid: u32) -> bool {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use shm_schemas::Sight;
     use std::path::Path;
 
     const S: u64 = 1_000_000_000;
@@ -327,17 +340,19 @@ mod tests {
             health.sight = sight.code();
             line.received(&health);
             assert_eq!(line.line(at(10 * S)), Line::Fault { fault: Fault::Sight, detail });
+            assert_eq!(line.trouble(), Some(sight));
         }
         let mut health = health(RoleId::Perceive, RoleState::Running, 10 * S);
         health.sight = Sight::Clear.code();
         line.received(&health);
-        assert_eq!(line.line(at(10 * S)), Line::Ready);
+        assert_eq!((line.line(at(10 * S)), line.trouble()), (Line::Ready, None));
     }
 
     #[test]
     fn a_recording_that_has_ended_is_no_fault_and_not_ready() {
         let mut line = healthy();
+        assert!(!line.has_ended());
         line.received(&health(RoleId::Perceive, RoleState::Finished, 10 * S));
-        assert_eq!(line.line(at(10 * S)), Line::Starting);
+        assert!(line.line(at(10 * S)) == Line::Starting && line.has_ended());
     }
 }

@@ -6,7 +6,6 @@ pub mod backup;
 pub mod calibrate;
 pub mod check;
 pub mod clip;
-mod clock;
 pub mod config;
 pub mod confirm;
 pub mod demo;

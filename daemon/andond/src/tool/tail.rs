@@ -10,11 +10,11 @@ use andon_ipc::{Channel, Heartbeat, MonotonicTime, Reader, UtcTime, Wake};
 use serde::Serialize;
 use shm_schemas::{Health, RoleId, Verdict as Message};
 
-use super::clock::Clock;
 use super::join::join;
 use super::known_jobs::KnownJobs;
 use super::{ToolError, running_config};
 use crate::cli::{self, Tail};
+use crate::clock::Clock;
 use crate::outage::{Outage, Outages};
 use crate::report::{NotWatchingLine, Teller, VerdictLine};
 use crate::sight::{self, SightChange, SightChanges};

@@ -1,5 +1,6 @@
 //! Detections, from perception or a track file to shared memory, and from there to the method.
 
+use super::verdict::side;
 use andon_core::input::{Frame, Hand, Object, Side};
 use andon_perception::detections::{self as seen, Detections as Seen};
 use andon_perception::metric::MetricScene;
@@ -122,11 +123,7 @@ pub fn to_core(message: &Detections) -> Frame {
         return frame;
     }
     for detected in message.hands() {
-        let side = match HandCode::try_from(detected.hand) {
-            Ok(HandCode::Right) => Side::Right,
-            Ok(HandCode::Left) => Side::Left,
-            _ => continue,
-        };
+        let Some(side) = HandCode::try_from(detected.hand).ok().and_then(side) else { continue };
         if let Some(hand) = hand(side, detected.score, &detected.landmarks_m) {
             // The capacities are equal: what fits the message fits the frame.
             let _ = frame.hands.push(hand);

@@ -11,7 +11,7 @@ use andon_core::input::Side;
 use andon_host::config::Config;
 use andon_ipc::{Error, FrameReader, FrameSample, Node, Port, Reader};
 use andon_record::picture::PictureMaker;
-use shm_schemas::{Couples, Detections, HandCode, LANDMARKS};
+use shm_schemas::{Couples, Detections, LANDMARKS};
 
 use crate::picture::{BONES, LastSeen};
 use crate::wire;
@@ -26,11 +26,9 @@ const REST: Duration = Duration::from_secs(3);
 const SEEN_WITHIN: Duration = Duration::from_millis(300);
 
 /// The camera, as long as somebody looks.
-pub(super) struct Camera {
+pub(super) struct Camera<'c> {
+    config: &'c Config,
     maker: PictureMaker,
-    hands: Vec<Side>,
-    parts: Vec<u16>,
-    blind_ms: u32,
     watch: Option<Watch>,
     /// When a browser waited last.
     wanted: Instant,
@@ -49,16 +47,9 @@ struct Watch {
     shown: Option<Instant>,
 }
 
-impl Camera {
-    pub(super) fn new(config: &Config) -> Self {
-        Self {
-            maker: PictureMaker::new(&config.record),
-            hands: config.perception.hands.clone(),
-            parts: config.objects.iter().map(|object| object.id).collect(),
-            blind_ms: config.method.blind_ms,
-            watch: None,
-            wanted: Instant::now(),
-        }
+impl<'c> Camera<'c> {
+    pub(super) fn new(config: &'c Config) -> Self {
+        Self { config, maker: PictureMaker::new(&config.record), watch: None, wanted: Instant::now() }
     }
 
     pub(super) fn ports(&mut self) -> Vec<&mut dyn Port> {
@@ -74,12 +65,12 @@ impl Camera {
         }
         if is_wanted && self.watch.is_none() {
             // Where too many look already, there is no picture.
-            self.watch = Watch::open(node, self.blind_ms).ok();
+            self.watch = Watch::open(node, self.config.method.blind_ms).ok();
         }
         let Some(watch) = &mut self.watch else { return Ok(None) };
         watch.take(is_wanted)?;
         let Some(frame) = watch.take_frame() else { return Ok(None) };
-        let (header, things) = (frame.header(), watch.things(&self.hands, &self.parts));
+        let (header, things) = (frame.header(), watch.things(self.config));
         // A frame that cannot be shown is one that the role capture tells of.
         let jpeg = frame.colour().ok().and_then(|colour| self.maker.jpeg(header, colour, frame.jpeg()).ok());
         Ok(jpeg.map(|jpeg| Picture { jpeg, size: [header.width, header.height], things }))
@@ -136,16 +127,17 @@ impl Watch {
     }
 
     /// The hands and parts, each with how its place is known.
-    fn things(&self, hands: &[Side], parts: &[u16]) -> Vec<Thing> {
-        let hands = hands.iter().map(|side| self.hand(*side));
-        hands.chain(parts.iter().map(|id| self.part(*id))).collect()
+    fn things(&self, config: &Config) -> Vec<Thing> {
+        let hands = config.perception.hands.iter().map(|side| self.hand(*side));
+        hands.chain(config.objects.iter().map(|object| self.part(object.id))).collect()
     }
 
     fn hand(&self, side: Side) -> Thing {
-        let (what, code) = match side {
-            Side::Right => (What::RightHand, HandCode::Right.code()),
-            Side::Left => (What::LeftHand, HandCode::Left.code()),
+        let what = match side {
+            Side::Right => What::RightHand,
+            Side::Left => What::LeftHand,
         };
+        let code = wire::verdict::hand(side).code();
         let mut hands = self.seen.hands().iter();
         let seen = hands.find(|hand| hand.hand == code).map(|hand| bones(&hand.landmarks_px));
         let mut hidden = self.last_seen.hands(&self.seen).into_iter();

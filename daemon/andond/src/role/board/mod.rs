@@ -24,14 +24,13 @@ use andon_learn::job_file::JobFile;
 use andon_plc::handshake::{Fault, Line as PlcLine};
 use andon_record::store;
 use camera::Camera;
-use jiff::tz::TimeZone;
 use jiff::{Timestamp, Zoned};
 use past::PastReader;
-use shm_schemas::{Health, Judging, RoleId, RoleState, Sight, Verdict};
+use shm_schemas::{Health, Judging, Verdict};
 
 use super::line::LineHealth;
 use super::{RoleError, disabled, jobs};
-use crate::sight;
+use crate::clock::Clock;
 
 /// The longest wait: a browser waits no longer than this to be answered. A verdict ends the wait.
 const TURN: Duration = Duration::from_millis(50);
@@ -66,14 +65,10 @@ struct Pages<'c> {
     health: Reader<Health>,
     inbox: Inbox,
     past: PastReader,
-    camera: Camera,
+    camera: Camera<'c>,
     line: LineHealth,
     /// Since when the line starts.
     starting: Option<Instant>,
-    /// The roles whose recording is at its end.
-    ended: Vec<u8>,
-    /// What `perceive` sees of its bench, where something is wrong with it.
-    trouble: Option<Sight>,
     /// The hash of the job whose names are shown; `None` before the judge has said one.
     job: Option<u64>,
     looked: Option<Instant>,
@@ -133,8 +128,6 @@ impl<'c> Pages<'c> {
             camera: Camera::new(config),
             line: LineHealth::new(config),
             starting: None,
-            ended: Vec::new(),
-            trouble: None,
             job: None,
             looked: None,
             looked_for_clips: None,
@@ -175,13 +168,6 @@ impl<'c> Pages<'c> {
         while let Some(health) = self.health.take()? {
             self.line.received(&health);
             self.board.health(&health);
-            self.ended.retain(|role| *role != health.role);
-            if health.state == RoleState::Finished.code() {
-                self.ended.push(health.role);
-            }
-            if health.role == RoleId::Perceive.code() {
-                self.trouble = sight::trouble_of(&health);
-            }
         }
         Ok(())
     }
@@ -222,12 +208,12 @@ impl<'c> Pages<'c> {
         }
         match line {
             PlcLine::Ready => Line::Ready,
-            PlcLine::Starting if !self.ended.is_empty() => Line::Stopped(Stop::Ended),
+            PlcLine::Starting if self.line.has_ended() => Line::Stopped(Stop::Ended),
             PlcLine::Starting => {
                 let since = self.starting.get_or_insert_with(Instant::now);
                 if since.elapsed() < STARTS { Line::Starting } else { Line::Stopped(Stop::Role) }
             }
-            PlcLine::Fault { fault, .. } => Line::Stopped(match (fault, self.trouble) {
+            PlcLine::Fault { fault, .. } => Line::Stopped(match (fault, self.line.trouble()) {
                 (Fault::Sight, Some(sight)) => Stop::Sight(sight),
                 (Fault::Camera, _) => Stop::Camera,
                 (Fault::Journal, _) => Stop::Journal,
@@ -263,7 +249,7 @@ fn settings(config: &Config) -> Result<Settings, RoleError> {
         picture: config.board.picture,
         roles: config.roles(),
         meaning: |number| code::of_number(number).map(|code| code.meaning),
-        local_time,
+        local_time: |utc_ns| Clock::new(false).date_time(utc_ns),
     })
 }
 
@@ -309,10 +295,4 @@ fn midnight_utc_ns() -> u64 {
 
 fn nanoseconds(time: Timestamp) -> u64 {
     u64::try_from(time.as_nanosecond()).unwrap_or_default()
-}
-
-/// Date and time to the second, in the time zone of this machine.
-fn local_time(utc_ns: u64) -> String {
-    let time = Timestamp::from_nanosecond(utc_ns.into()).unwrap_or_default();
-    time.to_zoned(TimeZone::system()).strftime("%Y-%m-%d %H:%M:%S").to_string()
 }

@@ -15,12 +15,12 @@ use andon_record::store;
 use jiff::Timestamp;
 
 use super::clip::recordings;
-use super::clock::Clock;
 use super::known_jobs::KnownJobs;
 use super::part::part_id;
 use super::since::since_ns;
 use super::{ToolError, cannot_write, check_writable, job, running_config};
 use crate::cli::History as Arguments;
+use crate::clock::Clock;
 use csv::WithClips;
 use summary::Summary;
 use table::Table;

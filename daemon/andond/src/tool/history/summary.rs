@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use andon_core::verdict::{Level, Outcome};
 use andon_journal::Entry;
 
-use crate::tool::clock::Clock;
+use crate::clock::Clock;
 use crate::tool::known_jobs::KnownJobs;
 use crate::wire;
 

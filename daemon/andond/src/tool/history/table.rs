@@ -6,8 +6,8 @@ use andon_core::verdict::Level;
 use andon_journal::{AuditEntry, Entry, Gap, NotWatching};
 use shm_schemas::Verdict as Message;
 
+use crate::clock::Clock;
 use crate::report::Teller;
-use crate::tool::clock::Clock;
 use crate::tool::known_jobs::KnownJobs;
 use crate::wire;
 

@@ -5,7 +5,7 @@ use andon_host::config::{Config, Object};
 use andon_host::video::pipe::PictureFormat;
 use andon_perception::sight::SeenMarker;
 use andon_perception::{ImageView, MarkerFinder, Perceiver, Picture, PixelFormat};
-use shm_schemas::{Detections, HandCode};
+use shm_schemas::Detections;
 
 use super::source::View;
 use crate::picture::{Marked, with_seen};
@@ -46,10 +46,7 @@ impl Inspection {
     }
 
     pub(super) fn has_hand(&self, side: Side) -> bool {
-        let code = match side {
-            Side::Right => HandCode::Right.code(),
-            Side::Left => HandCode::Left.code(),
-        };
+        let code = wire::verdict::hand(side).code();
         self.seen.hands().iter().any(|hand| hand.hand == code)
     }
 }

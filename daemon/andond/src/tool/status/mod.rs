@@ -6,11 +6,11 @@ mod text;
 
 use andon_host::taken::Taken;
 
-use super::clock::Clock;
 use super::join::join;
 use super::known_jobs::KnownJobs;
 use super::{ToolError, running_config};
 use crate::cli::Status;
+use crate::clock::Clock;
 use heard::Heard;
 use lines::{ConfigurationLine, JobLine, RoleLine, StationLine};
 

@@ -8,8 +8,8 @@ use anstyle::{AnsiColor, Style};
 use shm_schemas::{RoleId, Sight};
 
 use super::lines::{JobLine, RoleLine, StationLine};
+use crate::clock::Clock;
 use crate::sight;
-use crate::tool::clock::Clock;
 
 /// A role that keeps less than this share is spoken of, even where it is healthy by now.
 const KEPT_WELL: f64 = 0.9;

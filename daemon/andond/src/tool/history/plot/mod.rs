@@ -4,8 +4,8 @@ mod pareto;
 mod run_chart;
 
 use super::summary::Summary;
+use crate::clock::Clock;
 use crate::report::plot::text;
-use crate::tool::clock::Clock;
 
 // Pixels: a picture that a page shows without scrolling sideways.
 const WIDTH: f64 = 900.0;

@@ -3,8 +3,8 @@
 use andon_core::verdict::Outcome;
 
 use super::{GREY, LINE, NOT_JUDGED, RIGHT, WIDTH, WRONG};
+use crate::clock::Clock;
 use crate::report::plot::{rectangle, text};
-use crate::tool::clock::Clock;
 use crate::tool::history::summary::Summary;
 
 // Pixels.

@@ -7,14 +7,14 @@ use jiff::tz::{Offset, TimeZone};
 
 /// Tells times.
 #[derive(Clone, Debug)]
-pub(super) struct Clock {
+pub(crate) struct Clock {
     zone: TimeZone,
     /// The offset of every time that has none.
     offset: Offset,
 }
 
 impl Clock {
-    pub(super) fn new(utc: bool) -> Self {
+    pub(crate) fn new(utc: bool) -> Self {
         Self::of(if utc { TimeZone::UTC } else { TimeZone::system() }, Timestamp::now())
     }
 
@@ -24,28 +24,28 @@ impl Clock {
     }
 
     /// The time of day to the second.
-    pub(super) fn time(&self, utc_ns: u64) -> String {
+    pub(crate) fn time(&self, utc_ns: u64) -> String {
         self.format(utc_ns, "%H:%M:%S")
     }
 
     /// The time of day at which the monotonic clock showed this.
-    pub(super) fn time_of(&self, then: MonotonicTime) -> String {
+    pub(crate) fn time_of(&self, then: MonotonicTime) -> String {
         self.time(UtcTime::at(then).nanoseconds())
     }
 
     /// Date and time to the second.
-    pub(super) fn date_time(&self, utc_ns: u64) -> String {
+    pub(crate) fn date_time(&self, utc_ns: u64) -> String {
         self.format(utc_ns, "%Y-%m-%d %H:%M:%S")
     }
 
     /// In whichever of two forms the span asks for, so that a picture has room for it.
-    pub(super) fn mark(&self, utc_ns: u64, span_ns: u64) -> String {
+    pub(crate) fn mark(&self, utc_ns: u64, span_ns: u64) -> String {
         const DAY_NS: u64 = 86_400_000_000_000;
         self.format(utc_ns, if span_ns > 2 * DAY_NS { "%m-%d" } else { "%H:%M" })
     }
 
     /// What the times are: the offset from UTC, now.
-    pub(super) fn zone(&self) -> String {
+    pub(crate) fn zone(&self) -> String {
         if self.zone == TimeZone::UTC {
             return "UTC".to_owned();
         }
