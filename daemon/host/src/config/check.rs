@@ -39,7 +39,7 @@ pub(super) fn check(
     checks.objects(config);
     checks.method(config);
     checks.plc(config);
-    checks.metrics(config);
+    checks.ports(config);
     checks.board(config);
     checks.record(config);
     checks.faults
@@ -266,10 +266,19 @@ impl Checks<'_> {
         }
     }
 
-    fn metrics(&mut self, config: &Config) {
-        if config.plc.enable && config.metrics.enable && config.metrics.port == config.plc.port {
-            let problem = "is plc.port as well; must be another one".into();
-            self.fault("metrics.port", &["plc.port", "plc.enable", "metrics.enable"], problem);
+    /// Each server that is enabled has a port of its own.
+    fn ports(&mut self, config: &Config) {
+        let servers = [
+            (config.plc.enable, config.plc.port, ["plc.port", "plc.enable"]),
+            (config.metrics.enable, config.metrics.port, ["metrics.port", "metrics.enable"]),
+            (config.board.enable, config.board.port, ["board.port", "board.enable"]),
+        ];
+        for (index, (enable, port, [key, enables])) in servers.iter().enumerate() {
+            let same = |(enable_other, other, _): &&(bool, u16, _)| *enable && *enable_other && other == port;
+            if let Some((_, _, [other, enables_other])) = servers[..index].iter().find(same) {
+                let problem = format!("is {other} as well; must be another one");
+                self.fault(key, &[other, enables_other, enables], problem);
+            }
         }
     }
 
@@ -280,15 +289,6 @@ impl Checks<'_> {
                            so other machines must not reach it"
                     .into();
             self.fault("board.bind", &["board.enable"], problem);
-        }
-        let others = [
-            (config.plc.enable, config.plc.port, ["plc.port", "plc.enable"]),
-            (config.metrics.enable, config.metrics.port, ["metrics.port", "metrics.enable"]),
-        ];
-        let same = |(enable, port, _): &(bool, u16, _)| *enable && *port == config.board.port;
-        if let Some((_, _, [other, enable])) = others.into_iter().find(same).filter(|_| config.board.enable) {
-            let problem = format!("is {other} as well; must be another one");
-            self.fault("board.port", &[other, enable, "board.enable"], problem);
         }
         if config.board.enable
             && let Some(words) = &config.board.words
