@@ -15,11 +15,11 @@ const WAITING: usize = 64;
 /// Bytes that wait for a client, unless one message alone is larger. A hundred deaf clients must not cost the machine its memory.
 const WAITING_BYTES: usize = 1 << 20;
 
-/// The body of a [`super::Response`], before its client is there.
+/// The body of a [`super::Response`], as hyper reads it.
 #[derive(Debug)]
-pub(super) enum Sent {
-    Whole(Vec<u8>),
-    Feed { messages: Messages, ending: Ending },
+pub(super) enum Content {
+    Whole(Option<Bytes>),
+    Feed(Messages),
 }
 
 /// The receiving end of a feed.
@@ -28,6 +28,7 @@ pub(super) struct Messages {
     messages: mpsc::Receiver<Bytes>,
     /// Bytes that wait.
     waiting: Arc<AtomicUsize>,
+    ending: Option<Ending>,
 }
 
 impl Messages {
@@ -40,12 +41,12 @@ impl Messages {
     }
 }
 
-impl Sent {
-    /// What hyper sends, and what ends it if it has no end of its own.
-    pub(super) fn open(self) -> (Content, Option<Ending>) {
+impl Content {
+    /// Takes what tells of its end, if it has no end of its own.
+    pub(super) fn ending(&mut self) -> Option<Ending> {
         match self {
-            Self::Whole(bytes) => (Content::Whole(Some(bytes.into())), None),
-            Self::Feed { messages, ending } => (Content::Feed(messages), Some(ending)),
+            Self::Whole(_) => None,
+            Self::Feed(messages) => messages.ending.take(),
         }
     }
 }
@@ -61,12 +62,12 @@ pub struct Feed {
 }
 
 impl Feed {
-    pub(super) fn new() -> (Self, Sent) {
+    pub(super) fn new() -> (Self, Messages) {
         let (send, messages) = mpsc::channel(WAITING);
         let (open, ending) = oneshot::channel();
         let waiting = Arc::<AtomicUsize>::default();
-        let messages = Messages { messages, waiting: Arc::clone(&waiting) };
-        (Self { messages: send, waiting, _open: open }, Sent::Feed { messages, ending: Ending(ending) })
+        let messages = Messages { messages, waiting: Arc::clone(&waiting), ending: Some(Ending(ending)) };
+        (Self { messages: send, waiting, _open: open }, messages)
     }
 
     /// Sends these bytes, and waits for nothing. False where the client has left, or does not read: the feed is then to be dropped.
@@ -88,13 +89,6 @@ impl Ending {
         // Nothing is ever sent.
         let _ = self.0.await;
     }
-}
-
-/// A body as hyper reads it.
-#[derive(Debug)]
-pub(super) enum Content {
-    Whole(Option<Bytes>),
-    Feed(Messages),
 }
 
 impl Body for Content {
@@ -135,18 +129,17 @@ mod tests {
 
     #[test]
     fn a_feed_keeps_no_more_than_its_bytes_and_takes_any_message_alone() {
-        let (feed, _sent) = Feed::new();
+        let (feed, _messages) = Feed::new();
         assert_eq!(taken(&feed, &Bytes::from(vec![7; WAITING_BYTES / 4])), 4);
-        let (feed, _sent) = Feed::new();
+        let (feed, _messages) = Feed::new();
         assert_eq!(taken(&feed, &Bytes::from(vec![7; 2 * WAITING_BYTES])), 1);
-        let (feed, _sent) = Feed::new();
+        let (feed, _messages) = Feed::new();
         assert_eq!(taken(&feed, &Bytes::from_static(b"beat")), WAITING);
     }
 
     #[test]
     fn what_was_read_makes_room() {
-        let (feed, sent) = Feed::new();
-        let Sent::Feed { mut messages, .. } = sent else { unreachable!("a feed was made") };
+        let (feed, mut messages) = Feed::new();
         let mut context = Context::from_waker(std::task::Waker::noop());
         for _ in 0..10 {
             assert!(feed.send(vec![7; WAITING_BYTES]));

@@ -1,8 +1,7 @@
 //! Who is connected. There is always room for one more: whoever has connected and asked nothing makes way, and then whoever reads an answer slowly.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use rustix::net::sockopt;
@@ -20,7 +19,7 @@ const CLIENTS: usize = 64;
 /// After a failure to accept, as when there are no file descriptors left, and while all that are connected are being answered.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// Who has been connected for so long, and still reads its answer, makes way for another. A machine in the same hall reads within milliseconds.
+/// Who was answered so long ago, and still reads its answer, makes way for another. A machine in the same hall reads within milliseconds.
 const SLOW: Duration = Duration::from_secs(1);
 
 /// A client that confirms nothing of what was sent to it for so long is gone, in milliseconds.
@@ -28,41 +27,48 @@ const UNREACHABLE_MS: u32 = 10_000;
 
 /// How far a client is.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Progress(Arc<AtomicU8>);
+pub(super) struct Progress(Arc<Mutex<Step>>);
+
+#[derive(Clone, Copy, Debug, Default)]
+enum Step {
+    #[default]
+    Connected,
+    /// Its request has come, and the loop answers it soon.
+    Asked,
+    /// It reads its answer since then.
+    Answered(Instant),
+    /// It gets a feed, of which the program knows best how long it goes on.
+    Fed,
+}
 
 impl Progress {
-    const CONNECTED: u8 = 0;
-    const ASKED: u8 = 1;
-    const FED: u8 = 2;
-
     /// Its request has come.
     pub(super) fn asked(&self) {
-        self.0.store(Self::ASKED, Ordering::Relaxed);
+        *self.step() = Step::Asked;
     }
 
-    /// It gets a feed, of which the program knows best how long it goes on.
-    pub(super) fn fed(&self) {
-        self.0.store(Self::FED, Ordering::Relaxed);
+    /// It is sent its answer from now on.
+    pub(super) fn answered(&self, is_feed: bool) {
+        *self.step() = if is_feed { Step::Fed } else { Step::Answered(Instant::now()) };
     }
 
-    fn is(&self, progress: u8) -> bool {
-        self.0.load(Ordering::Relaxed) == progress
+    fn step(&self) -> MutexGuard<'_, Step> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 struct Client {
     task: JoinHandle<()>,
     progress: Progress,
-    connected: Instant,
 }
 
 impl Client {
     fn is_silent(&self) -> bool {
-        self.progress.is(Progress::CONNECTED)
+        matches!(*self.progress.step(), Step::Connected)
     }
 
     fn is_slow(&self) -> bool {
-        self.progress.is(Progress::ASKED) && self.connected.elapsed() >= SLOW
+        matches!(*self.progress.step(), Step::Answered(since) if since.elapsed() >= SLOW)
     }
 }
 
@@ -79,7 +85,7 @@ pub(super) async fn accept_all(listener: &TcpListener, calls: &mpsc::Sender<Call
                 let (progress, calls) = (Progress::default(), calls.clone());
                 // The runtime has one thread, and ends with it whatever still waits.
                 let task = tokio::spawn(serve(stream, calls, progress.clone()));
-                clients.push_back(Client { task, progress, connected: Instant::now() });
+                clients.push_back(Client { task, progress });
             }
             Err(error) => {
                 tracing::debug!(%error, "a client was not accepted");

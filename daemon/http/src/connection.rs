@@ -42,9 +42,7 @@ pub(super) async fn serve(stream: TcpStream, calls: mpsc::Sender<Call>, progress
         progress.asked();
         async move {
             let response = answer(&request, &calls).await;
-            if response.is_feed() {
-                progress.fed();
-            }
+            progress.answered(response.is_feed());
             Ok::<_, Infallible>(whole(response, starts))
         }
     });
@@ -110,14 +108,16 @@ fn is_from_another_site(request: &hyper::Request<Incoming>) -> bool {
     is_elsewhere && !(is("sec-fetch-mode", &[b"navigate"]) && is("sec-fetch-dest", &[b"document"]))
 }
 
-fn whole(response: Response, starts: &Mutex<Option<oneshot::Sender<Ending>>>) -> hyper::Response<Content> {
-    let (content, ending) = response.body.open();
+fn whole(
+    mut response: Response,
+    starts: &Mutex<Option<oneshot::Sender<Ending>>>,
+) -> hyper::Response<Content> {
     let mut starts = starts.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    if let Some((ending, starts)) = ending.zip(starts.take()) {
+    if let Some((ending, starts)) = response.body.ending().zip(starts.take()) {
         // The other end is in `limit`, which lasts as long as this.
         let _ = starts.send(ending);
     }
-    let mut whole = hyper::Response::new(content);
+    let mut whole = hyper::Response::new(response.body);
     *whole.status_mut() = StatusCode::from_u16(response.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
     whole.headers_mut().insert(CONTENT_TYPE, HeaderValue::from_static(response.kind));
     for (name, value) in response.headers {

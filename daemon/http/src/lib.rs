@@ -32,7 +32,7 @@ use tokio::net::TcpListener;
 use tokio::runtime::Builder;
 use tokio::sync::{mpsc, oneshot};
 
-use body::Sent;
+use body::Content;
 use clients::accept_all;
 
 pub use body::Feed;
@@ -63,29 +63,29 @@ pub struct Response {
     status: u16,
     kind: &'static str,
     headers: &'static [(&'static str, &'static str)],
-    body: Sent,
+    body: Content,
 }
 
 impl Response {
     /// An answer with its media type.
     pub fn ok(kind: &'static str, body: impl Into<Vec<u8>>) -> Self {
-        Self { status: 200, kind, headers: &[], body: Sent::Whole(body.into()) }
+        let body: Vec<u8> = body.into();
+        Self { status: 200, kind, headers: &[], body: Content::Whole(Some(body.into())) }
     }
 
     /// A sentence with a status, for what is not served.
     pub fn text(status: u16, sentence: &str) -> Self {
-        let body = Sent::Whole(sentence.into());
-        Self { status, kind: "text/plain; charset=utf-8", headers: &[], body }
+        Self { status, ..Self::ok("text/plain; charset=utf-8", sentence) }
     }
 
     /// An answer that goes on until its feed is dropped.
     pub fn feed(kind: &'static str) -> (Self, Feed) {
-        let (feed, body) = Feed::new();
-        (Self { status: 200, kind, headers: &[], body }, feed)
+        let (feed, messages) = Feed::new();
+        (Self { status: 200, kind, headers: &[], body: Content::Feed(messages) }, feed)
     }
 
     fn is_feed(&self) -> bool {
-        matches!(self.body, Sent::Feed { .. })
+        matches!(self.body, Content::Feed(_))
     }
 
     /// The same with further headers, whose names are in small letters.
