@@ -3,7 +3,9 @@
 
 use andon_record::store;
 use andon_tests::environment;
-use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, andond, control, detections_in, status};
+use andon_tests::line::{
+    Line, Modbus, PATIENCE, Settings, UNSEEN, Watcher, andond, control, detections_in, status,
+};
 use andon_tests::simulator::Flaw;
 use rustix::process::Signal;
 use shm_schemas::{JudgePhase, Refusal, RoleId, RoleState, VerdictOutcome};
@@ -159,23 +161,11 @@ fn kills_between_commands_are_judged_again_with_the_same_verdicts() {
     assert!(equal == sent && sent >= 16, "{text}");
 }
 
-/// What is done to the film of a right run while its strokes are made, so that they are not seen.
-const UNSEEN: [&str; 8] = [
-    "lutyuv=y=16:u=128:v=128:enable='between(t,4,7)'",
-    "lutyuv=y=255:u=128:v=128:enable='between(t,4,7)'",
-    "drawbox=c=0x6a4030:t=fill:enable='between(t,4,7)'",
-    "gblur=sigma=12:enable='between(t,4,7)'",
-    "noise=alls=100:allf=t:enable='between(t,4,7)'",
-    "rotate=0.08:c=gray:enable='between(t,4,7)'",
-    "loop=loop=90:size=1:start=120,setpts=N/30/TB",
-    "select='not(between(t,4,7))+not(mod(n,8))'",
-];
-
 /// A film takes as long as it lasts: each draw tries one of them, and `ANDON_EVERY=1` all.
 #[test]
 fn what_the_line_does_not_see_is_judged_again_with_the_same_verdicts() {
-    for filter in environment::one_in(UNSEEN.len() as u64, UNSEEN.to_vec()) {
-        println!("{filter}");
+    for (shown, filter) in environment::one_in(UNSEEN.len() as u64, UNSEEN.to_vec()) {
+        println!("{shown}");
         let ffmpeg = ["-i", "p1_none_r1.mp4", "-vf", filter, "-fps_mode", "passthrough"];
         let mut line = Line::with_film("speed = \"file\"", "", &ffmpeg);
         line.reconfigure("loop = true", "loop = false");

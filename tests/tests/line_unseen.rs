@@ -4,8 +4,8 @@
 
 use andon_ipc::{Channel, Reader};
 use andon_tests::line::{
-    Counted, Line, NOISE, PATIENCE, Shift, Watcher, account, andond, kept, measure, root, samples, scrape,
-    soft_plc, stand_in, tally, told_last, verdicts,
+    Counted, Line, NOISE, PATIENCE, Shift, UNSEEN, UNSEEN_S, Watcher, account, andond, kept, measure, root,
+    samples, scrape, soft_plc, stand_in, tally, told_last, verdicts,
 };
 use andon_tests::python::python;
 use andon_tests::{environment, workers};
@@ -18,8 +18,6 @@ use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-/// From when to when the line does not watch, in seconds of the film, in the middle of the strokes of a right run.
-const UNSEEN_S: [f64; 2] = [4.0, 7.0];
 /// The run that the film of a row shows.
 const RUN: &str = "p1_none_r1.mp4";
 /// The other runs that are taught beside it.
@@ -32,15 +30,10 @@ type Span = (f64, f64, String);
 
 /// A row whose film has the state: the line, a replay and `teach` must all know it.
 struct State {
-    /// What is done to the film. `HERE` stands for the time in which it acts.
+    /// What is done to the film.
     filter: &'static str,
     /// What the configuration has besides, in `[perception]`.
     perception: &'static str,
-}
-
-/// A filter that acts while the line shall not watch.
-const fn film(filter: &'static str) -> State {
-    State { filter, perception: "" }
 }
 
 /// Plays the film once, and checks every way out.
@@ -48,7 +41,7 @@ fn check(state: &State) {
     // A camera that has stopped repeats its noise as well.
     let filter = match state.filter {
         frozen if frozen.starts_with("loop") => format!("{NOISE},{frozen}"),
-        filter => format!("{},{NOISE}", filter.replace("HERE", "enable='between(t,4,7)'")),
+        filter => format!("{filter},{NOISE}"),
     };
     // Only where frames are left out does the film not have all instants.
     let mode = if state.filter.starts_with("select") { "passthrough" } else { "auto" };
@@ -361,30 +354,21 @@ fn check_killed(role: &'static str) {
     );
 }
 
-/// What the line does not watch, and its check.
-type Row = (&'static str, fn());
+/// What the line does not watch, and what makes it so.
+type Row<T> = (&'static str, T);
 
 /// The states that a film has.
-const FILMS: [Row; 10] = [
-    ("a black picture", || check(&film("lutyuv=y=16:u=128:v=128:HERE"))),
-    ("a white picture", || check(&film("lutyuv=y=255:u=128:v=128:HERE"))),
-    ("a picture that stands still", || check(&film("loop=loop=90:size=1:start=120,setpts=N/30/TB"))),
-    ("a covered lens", || check(&film("drawbox=c=0x6a4030:t=fill:HERE"))),
-    ("a blurred picture", || check(&film("gblur=sigma=12:HERE"))),
-    ("a picture full of noise", || check(&film("noise=alls=100:allf=t:HERE"))),
-    ("a camera that was moved", || check(&film("rotate=0.08:c=gray:HERE"))),
-    ("too few frames", || check(&film("select='not(between(t,4,7))+not(mod(n,8))'"))),
-    ("no markers of the station", || {
-        check(&State { filter: "null", perception: "dictionary = \"DICT_5X5_50\"" });
-    }),
+fn films() -> Vec<Row<State>> {
+    let film = |(shown, filter)| (shown, State { filter, perception: "" });
+    let no_markers = State { filter: "null", perception: "dictionary = \"DICT_5X5_50\"" };
     // Where the hand works, and no marker lies.
-    ("parts that move without a hand", || {
-        check(&film("drawbox=x=382:y=100:w=258:h=380:c=0x504f4b:t=fill:HERE"))
-    }),
-];
+    let no_hand = "drawbox=x=382:y=100:w=258:h=380:c=0x504f4b:t=fill:enable='between(t,4,7)'";
+    let own = [("no markers of the station", no_markers), film(("parts that move without a hand", no_hand))];
+    UNSEEN.into_iter().map(film).chain(own).collect()
+}
 
 /// The states that only a running line has.
-const ROLES_DOWN: [Row; 4] = [
+const ROLES_DOWN: [Row<fn()>; 4] = [
     ("perceive is stopped", || check_stopped("perceive")),
     ("perceive is killed", || check_killed("perceive")),
     ("encode is stopped", || check_stopped("encode")),
@@ -395,12 +379,12 @@ const ROLES_DOWN: [Row; 4] = [
 const EVERY: u64 = 4;
 
 /// The rows of this draw.
-fn check_rows(rows: &[Row]) {
-    let drawn = environment::one_in(EVERY, rows.to_vec());
+fn check_rows<T: Sync>(rows: Vec<Row<T>>, check: impl Fn(&T) + Sync) {
+    let drawn = environment::one_in(EVERY, rows);
     assert!(!drawn.is_empty());
-    let checked: Result<(), Infallible> = workers::for_each(&drawn, |(name, check)| {
+    let checked: Result<(), Infallible> = workers::for_each(&drawn, |(name, row)| {
         println!("{name}");
-        check();
+        check(row);
         Ok(())
     });
     let Ok(()) = checked;
@@ -408,10 +392,10 @@ fn check_rows(rows: &[Row]) {
 
 #[test]
 fn nothing_rests_on_a_time_in_which_a_film_shows_nothing() {
-    check_rows(&FILMS);
+    check_rows(films(), check);
 }
 
 #[test]
 fn nothing_rests_on_a_time_in_which_a_role_is_down() {
-    check_rows(&ROLES_DOWN);
+    check_rows(ROLES_DOWN.to_vec(), |check| check());
 }

@@ -8,6 +8,21 @@ use std::process::Command;
 /// The filter that makes pictures as a camera gives them: rendered ones have no noise.
 pub const NOISE: &str = "noise=alls=4:allf=t";
 
+/// From when to when the line does not watch one of the films of [`UNSEEN`], in seconds of the film: in the middle of the strokes of a right run.
+pub const UNSEEN_S: [f64; 2] = [4.0, 7.0];
+
+/// What a film shows while the line does not watch it, and the filter that makes it so.
+pub const UNSEEN: [(&str, &str); 8] = [
+    ("a black picture", "lutyuv=y=16:u=128:v=128:enable='between(t,4,7)'"),
+    ("a white picture", "lutyuv=y=255:u=128:v=128:enable='between(t,4,7)'"),
+    ("a picture that stands still", "loop=loop=90:size=1:start=120,setpts=N/30/TB"),
+    ("a covered lens", "drawbox=c=0x6a4030:t=fill:enable='between(t,4,7)'"),
+    ("a blurred picture", "gblur=sigma=12:enable='between(t,4,7)'"),
+    ("a picture full of noise", "noise=alls=100:allf=t:enable='between(t,4,7)'"),
+    ("a camera that was moved", "rotate=0.08:c=gray:enable='between(t,4,7)'"),
+    ("too few frames", "select='not(between(t,4,7))+not(mod(n,8))'"),
+];
+
 /// The tree that the tests belong to.
 pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().unwrap()

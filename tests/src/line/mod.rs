@@ -16,7 +16,7 @@ mod stand_in;
 mod watcher;
 
 pub use client::{Modbus, control, status};
-pub use film::{NOISE, root};
+pub use film::{NOISE, UNSEEN, UNSEEN_S, root};
 pub use journalled::Journalled;
 pub use metrics::{ask, measure, samples, scrape, tally, verdicts};
 pub use process::{Process, andond, own_memory_kib};
