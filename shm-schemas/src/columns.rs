@@ -1,12 +1,12 @@
 //! The values of a verdict as a table: what each is called, and how its number is meant.
 //!
-//! It is declared once, and whoever writes verdicts down goes through it: the rows of the journal and their way back, CSV, and [`Verdict::NONE`].
-//! What has no meaning in a verdict is [`Value::None`] there, whatever number stands for it on the wire.
+//! It is made of [`verdict_fields`](crate::verdict_fields), and whoever writes verdicts down goes through it: the columns of the journal, its rows and
+//! their way back, CSV, and [`Verdict::NONE`]. What has no meaning in a verdict is [`Value::None`] there, whatever number stands for it on the wire.
 //!
-//! Three outputs have more to say of a value than its name and kind. A table of that would be longer than they are. JSON nests values, and names
-//! objects and steps. A register has an address that never changes, and a meaning for who programs a controller. The struct for C must stand in the
-//! source with its comments, because the generator of the header reads it there. A test of `andond`, `verdict_columns`, holds all three to this
-//! table.
+//! Two outputs have more to say of a value than its name and kind, and name it themselves: a table of that would be longer than they are. JSON nests
+//! values, leaves some out where they say nothing, and names objects and steps. A replay writes it of the method's own verdict, without a wire. A
+//! register has an address that never changes, a unit without fractions, and a meaning for who programs a controller. The time of a verdict is two of
+//! them. A test of `andond`, `verdict_columns`, holds both to this table.
 
 use crate::layout::Layout;
 use crate::part::PartId;
@@ -37,13 +37,18 @@ pub enum Value<'v> {
 }
 
 /// A column of the table.
-pub struct Column {
+pub struct Column<M = Verdict> {
     /// Its name, in the journal and, but for the unit of times, in CSV.
     pub name: &'static str,
     /// Reads it.
-    pub get: for<'v> fn(&'v Verdict) -> Value<'v>,
+    pub get: for<'m> fn(&'m M) -> Value<'m>,
     /// Writes it. A value that does not fit becomes none.
-    pub set: fn(&mut Verdict, Value<'_>),
+    pub set: fn(&mut M, Value<'_>),
+}
+
+impl<M> Column<M> {
+    /// In a place that no column has taken yet.
+    const FREE: Self = Self { name: "", get: |_| Value::None, set: |_, _| () };
 }
 
 /// How the numbers of a kind become values, and come back.
@@ -156,83 +161,94 @@ fn part(value: Value<'_>) -> PartId {
     }
 }
 
-macro_rules! columns {
-    ($( $kind:ident $name:ident: ($($path:tt)+); )+) => {
-        /// The table, in the order in which it is read.
-        pub const COLUMNS: &[Column] = &[ $( Column {
-            name: stringify!($name),
-            get: |verdict| get!($kind verdict.$($path)+),
-            set: |verdict, value| set!($kind verdict.$($path)+, value),
-        } ),+ ];
-
-        impl Verdict {
-            /// A verdict in which nothing has a meaning: what is read before the first one.
-            pub const NONE: Self = {
-                let mut verdict = <Self as Layout>::ZERO;
-                $( none!($kind verdict.$($path)+); )+
-                verdict
-            };
-        }
-
-        /// What every field on the wire takes, but for those that only fill it.
-        const BYTES: usize = 0 $( + size_of_val(&Verdict::NONE.$($path)+) )+;
+macro_rules! name {
+    ($field:ident) => {
+        stringify!($field)
+    };
+    ($field:ident $name:ident) => {
+        stringify!($name)
     };
 }
 
-columns! {
-    VerdictLevel level: (level);
-    VerdictOutcome outcome: (outcome);
-    VerdictReason reason: (reason);
-    HandCode hand: (hand);
-    station station: (station);
-    whole job_id: (job_id);
-    hash model_hash: (model_hash);
-    index activity: (activity);
-    index iu: (iu);
-    index nearest: (nearest);
-    whole x_c0: (x_c[0]);
-    whole x_c1: (x_c[1]);
-    whole x_c2: (x_c[2]);
-    whole x_c3: (x_c[3]);
-    number distance: (distance);
-    number threshold: (threshold);
-    whole early: (early);
-    VerdictNote note: (note);
-    OrderFault broken: (broken);
-    index broken_activity: (broken_activity);
-    whole broken_runs: (broken_runs);
-    VerdictMeasure measure: (measure);
-    number measured: (measured);
-    number shown_min: (shown_min);
-    number shown_max: (shown_max);
-    percent captured_percent: (captured_percent);
-    percent seen_percent: (seen_percent);
-    HandCode missing_hand: (missing_hand);
-    object missing_object: (missing_object);
-    number missing_s: (missing_s);
-    percent missing_percent: (missing_percent);
-    percent needed_percent: (needed_percent);
-    time began_ns: (began_ns);
-    time ended_ns: (ended_ns);
-    time decided_ns: (decided_ns);
-    long epoch: (stamp.epoch);
-    long seq: (stamp.seq);
-    part part: (part);
-    long decided_utc_ns: (decided_utc_ns);
-    long frame_seq: (stamp.frame_seq);
-    long captured_ns: (stamp.captured_ns);
-    long sent_ns: (stamp.sent_ns);
+/// Makes the table of a list of fields, and the message in which nothing has a meaning.
+macro_rules! columns_of_fields {
+    ($type_name:literal, $bytes:literal, filled up by $filling:ident: $filling_ty:ty; $(#[$doc:meta])+ struct $message:ident $( $group:ident {
+        $( $(#[$field_doc:meta])+ $field:ident: $ty:ty { $( $place:literal $kind:ident $($name:ident($($part:tt)+))? ),+ } )+
+    } )+) => {
+        /// The table, in the order in which it is read.
+        pub const COLUMNS: &[Column<$message>] = &{
+            let mut columns = [Column::<$message>::FREE; [$( $( $( $place, )+ )+ )+].len()];
+            $( $( $( columns[$place] = Column::<$message> {
+                name: name!($field $($name)?),
+                get: |message| get!($kind message.$field $($($part)+)?),
+                set: |message, value| set!($kind message.$field $($($part)+)?, value),
+            }; )+ )+ )+
+            columns
+        };
+
+        impl $message {
+            /// One in which nothing has a meaning: what is read before the first one.
+            pub const NONE: Self = {
+                let mut message = <Self as Layout>::ZERO;
+                $( $( $( none!($kind message.$field $($($part)+)?); )+ )+ )+
+                message
+            };
+        }
+
+        const _: () = {
+            let in_columns = 0 $( $( $( + size_of_val(&$message::NONE.$field $($($part)+)?) )+ )+ )+;
+            assert!(in_columns + size_of::<$filling_ty>() == $bytes, "a part of a field has no column, or two");
+            let mut place = 0;
+            while place < COLUMNS.len() {
+                assert!(!COLUMNS[place].name.is_empty(), "a place has two columns, and another none");
+                place += 1;
+            }
+        };
+    };
 }
 
-const _: () = assert!(
-    BYTES + size_of_val(&Verdict::NONE.reserved) == size_of::<Verdict>(),
-    "a field of the verdict has no column, or two"
-);
+crate::verdict_fields!(columns_of_fields);
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, unreachable_pub)] // the macros make public items
     use super::*;
+    use crate::layout::wire_of_fields;
+
+    /// A message of three fields, each of which is one row of a list.
+    mod row {
+        use super::*;
+
+        macro_rules! fields {
+            ($to:ident) => {
+                $to! { "test.Count", 8, filled up by reserved: [u8; 1];
+                    /// A count.
+                    struct Count
+                    all {
+                        /// How many.
+                        count: u32 { 1 whole }
+                        /// Of which part.
+                        index: u16 { 0 index }
+                        /// The share.
+                        share: u8 { 2 percent }
+                    }
+                }
+            };
+        }
+        fields!(wire_of_fields);
+        fields!(columns_of_fields);
+    }
+
+    #[test]
+    fn a_row_of_the_list_makes_a_field_on_the_wire_a_column_and_what_stands_for_none() {
+        let [index, count, share] = row::COLUMNS else { unreachable!("three rows") };
+        assert_eq!([index.name, count.name, share.name], ["index", "count", "share"]);
+        let mut message = row::Count::NONE;
+        assert_eq!((message.count, message.index, message.share), (0, NO_INDEX, NO_PERCENT));
+        (share.set)(&mut message, Value::Whole(40));
+        assert_eq!(((share.get)(&message), (index.get)(&message)), (Value::Whole(40), Value::None));
+        assert_eq!(message.share, 40);
+    }
 
     /// A verdict in which every byte that a column has is another than in [`Verdict::NONE`].
     fn filled() -> Verdict {

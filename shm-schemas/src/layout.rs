@@ -111,6 +111,20 @@ macro_rules! wire {
 
 pub(crate) use wire;
 
+/// Makes the struct on the wire of a list of fields.
+macro_rules! wire_of_fields {
+    ($type_name:literal, $bytes:literal, filled up by $filling:ident: $filling_ty:ty; $(#[$doc:meta])+ struct $name:ident $( $group:ident {
+        $( $(#[$field_doc:meta])+ $field:ident: $ty:ty { $($columns:tt)+ } )+
+    } )+) => {
+        $crate::layout::wire! { $type_name, $bytes; $(#[$doc])+ struct $name {
+            $( $( $(#[$field_doc])+ $field: $ty, )+ )+
+            /// Keeps the size a multiple of 8.
+            $filling: $filling_ty,
+        } }
+    };
+}
+pub(crate) use wire_of_fields;
+
 #[cfg(test)]
 #[allow(unreachable_pub)] // the macro makes public types
 mod tests {

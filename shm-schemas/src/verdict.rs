@@ -1,7 +1,7 @@
 //! Channel `verdict`: what is judged, how it came out, and why.
 
 use crate::code::{UnknownCode, codes};
-use crate::layout::wire;
+use crate::layout::wire_of_fields;
 use crate::part::PartId;
 use crate::stamp::{Stamp, message};
 
@@ -144,6 +144,7 @@ codes! {
         /// The distance between its place and the one that was shown, in metres.
         Place = 6,
         /// The lateral deviation: the maximum distance of the hand's path from the straight line, in metres.
+        // The word that rows of journals have, and programs that read JSON or the header for C.
         LateralDeviation = 7 as "Bow",
     }
 }
@@ -160,83 +161,113 @@ codes! {
     }
 }
 
-wire! { "andon.Verdict", 192;
-    /// One verdict. The stamp names the newest frame that the decision depends on.
-    struct Verdict {
-        /// The stamp.
-        stamp: Stamp,
-        /// Hash of the job file.
-        model_hash: u64,
-        /// When what is judged began, in nanoseconds of source time.
-        began_ns: u64,
-        /// When it ended, or of an early verdict when it was decided. In nanoseconds of source time.
-        ended_ns: u64,
-        /// Time of the newest couple that the decision depends on, in nanoseconds of source time.
-        decided_ns: u64,
-        /// When it was decided, nanoseconds since 1970 UTC.
-        decided_utc_ns: u64,
-        /// The job.
-        job_id: u32,
-        /// DTW distance to the nearest taught motion; NaN when none was computed.
-        distance: f32,
-        /// The threshold for that distance; NaN when there is none.
-        threshold: f32,
-        /// The value of the measure that is out of its bounds, in the unit of `measure`; NaN when none is.
-        measured: f32,
-        /// The minimum that was shown; NaN when none is.
-        shown_min: f32,
-        /// The maximum that was shown; NaN when none is.
-        shown_max: f32,
-        /// For how long the hand or object was not seen, in all, or no frame came, at most, in seconds. NaN where that is not the reason.
-        missing_s: f32,
-        /// Context of the IU, `x_c`; of its first IU for an activity; zero for a job.
-        x_c: [u16; 4],
-        /// Index of the activity in this job, in the order of time; [`NO_INDEX`] for a job.
-        activity: u16,
-        /// Index of the IU in its activity, in the order of time; [`NO_INDEX`] for activities and jobs.
-        iu: u16,
-        /// The nominal activity that it is compared with; [`NO_INDEX`] when none is near.
-        nearest: u16,
-        /// The other activity of the order that was broken; [`NO_INDEX`] where that is not why.
-        broken_activity: u16,
-        /// How many of the runs that were shown keep that order.
-        broken_runs: u16,
-        /// The object that was not seen, or whose marker was in view twice; 0 where that is not the reason.
-        missing_object: u16,
-        /// A [`VerdictLevel`]. Zero is none: an empty message is not a verdict.
-        level: u8,
-        /// A [`VerdictOutcome`]. Zero is none.
-        outcome: u8,
-        /// A [`VerdictReason`].
-        reason: u8,
-        /// A [`HandCode`].
-        hand: u8,
-        /// 1 when it was decided before the IU ended, else 0.
-        early: u8,
-        /// Name of the station in ASCII, padded with zeros.
-        station: [u8; STATION_BYTES],
-        /// The part that was worked on: the id that was in force when its job began.
-        part: PartId,
-        /// How many of a hundred frames of the IU were captured; [`NO_PERCENT`] where that says nothing.
-        captured_percent: u8,
-        /// In how many of a hundred frames of the IU the hand and each object that it acts on were seen. [`NO_PERCENT`] where that says nothing.
-        seen_percent: u8,
-        /// How many of a hundred frames came of what the verdict depends on; [`NO_PERCENT`] where that is not the reason.
-        missing_percent: u8,
-        /// How many of a hundred frames the job needs; [`NO_PERCENT`] where that is not the reason, or none are asked for.
-        needed_percent: u8,
-        /// A [`HandCode`]: the hand that was not seen; none where that is not the reason.
-        missing_hand: u8,
-        /// A [`VerdictNote`].
-        note: u8,
-        /// An [`OrderFault`].
-        broken: u8,
-        /// A [`VerdictMeasure`].
-        measure: u8,
-        /// Keeps the size a multiple of 8.
-        reserved: [u8; 3],
-    }
+/// The fields of a verdict, in the order of the wire, for a macro: the one place that names them. It gives them to the macro `$to`.
+///
+/// Of them are made the wire and [`Verdict::NONE`], the table [`COLUMNS`](crate::COLUMNS), which the journal and CSV are written by, and the struct and
+/// header for C. A field has its meaning, its type, and in braces its columns. A column has its place in the table, which never changes, and its kind,
+/// which says how a number is meant and which one stands for none. The columns of a part of a field have names of their own.
+///
+/// C has the fields of `in_c` as the wire has them, and has no others but stamp, station and part, each in a form of its own. There a
+/// `VerdictLevel` is called `AndonLevel`, as all names that C sees.
+#[macro_export]
+macro_rules! verdict_fields {
+    ($to:ident) => { $to! { "andon.Verdict", 192, filled up by reserved: [u8; 3];
+        /// One verdict. The stamp names the newest frame that the decision depends on.
+        struct Verdict
+
+        not_in_c {
+            /// The stamp.
+            stamp: Stamp {
+                35 long epoch(.epoch), 36 long seq(.seq),
+                39 long frame_seq(.frame_seq), 40 long captured_ns(.captured_ns), 41 long sent_ns(.sent_ns)
+            }
+        }
+        in_c {
+            /// Hash of the job file.
+            model_hash: u64 { 6 hash }
+            /// When the IU, activity or job began, source time in nanoseconds.
+            began_ns: u64 { 32 time }
+            /// When it ended, or when it was decided if that was earlier, source time in nanoseconds.
+            ended_ns: u64 { 33 time }
+            /// Time of the newest feature couple that the decision depends on, source time in nanoseconds.
+            decided_ns: u64 { 34 time }
+            /// When it was decided, nanoseconds since 1970 UTC.
+            decided_utc_ns: u64 { 38 long }
+            /// The job that is watched.
+            job_id: u32 { 5 whole }
+            /// DTW distance to the nearest taught motion; NaN if none was computed.
+            distance: f32 { 14 number }
+            /// The threshold that the distance was compared with; NaN if there is none.
+            threshold: f32 { 15 number }
+            /// The value of the measure that is out of its bounds, in the unit of `measure`; NaN if none is.
+            measured: f32 { 22 number }
+            /// The minimum that was shown; NaN if none is out of its bounds.
+            shown_min: f32 { 23 number }
+            /// The maximum that was shown; NaN if none is out of its bounds.
+            shown_max: f32 { 24 number }
+        }
+        not_in_c {
+            /// For how long the hand or object was not seen, in all, or no frame came, at most, in seconds. NaN where that is not the reason.
+            missing_s: f32 { 29 number }
+        }
+        in_c {
+            /// Context features x_c of the IU; of its first IU for an activity; 0 for a job.
+            x_c: [u16; 4] { 10 whole x_c0([0]), 11 whole x_c1([1]), 12 whole x_c2([2]), 13 whole x_c3([3]) }
+            /// Index of the activity in this job, from 0, or [`NO_INDEX`].
+            activity: u16 { 7 index }
+            /// Index of the IU in its activity, from 0, or [`NO_INDEX`].
+            iu: u16 { 8 index }
+            /// Index of the taught activity that it was judged against, or [`NO_INDEX`].
+            nearest: u16 { 9 index }
+            /// Index of the other taught activity of the order that was broken, or [`NO_INDEX`].
+            broken_activity: u16 { 19 index }
+            /// How many of the runs that were shown keep that order.
+            broken_runs: u16 { 20 whole }
+        }
+        not_in_c {
+            /// The object that was not seen, or whose marker was in view twice; 0 where that is not the reason.
+            missing_object: u16 { 28 object }
+        }
+        in_c {
+            /// A [`VerdictLevel`].
+            level: u8 { 0 VerdictLevel }
+            /// A [`VerdictOutcome`]. Treat a number that is not in the list as not judged: it comes from another version.
+            outcome: u8 { 1 VerdictOutcome }
+            /// A [`VerdictReason`].
+            reason: u8 { 2 VerdictReason }
+            /// A [`HandCode`].
+            hand: u8 { 3 HandCode }
+            /// 1 if the verdict came before the IU ended, otherwise 0.
+            early: u8 { 16 whole }
+        }
+        not_in_c {
+            /// Name of the station in ASCII, padded with zeros.
+            station: [u8; STATION_BYTES] { 4 station }
+            /// The part that was worked on: the id that was in force when its job began.
+            part: PartId { 37 part }
+            /// How many of a hundred frames of the IU were captured; [`NO_PERCENT`] where that says nothing.
+            captured_percent: u8 { 25 percent }
+            /// In how many of a hundred frames of the IU the hand and each object that it acts on were seen. [`NO_PERCENT`] where that says nothing.
+            seen_percent: u8 { 26 percent }
+            /// How many of a hundred frames came of what the verdict depends on; [`NO_PERCENT`] where that is not the reason.
+            missing_percent: u8 { 30 percent }
+            /// How many of a hundred frames the job needs; [`NO_PERCENT`] where that is not the reason, or none are asked for.
+            needed_percent: u8 { 31 percent }
+            /// A [`HandCode`]: the hand that was not seen; none where that is not the reason.
+            missing_hand: u8 { 27 HandCode }
+        }
+        in_c {
+            /// A [`VerdictNote`]: what was not shown before and breaks no rule of the order.
+            note: u8 { 17 VerdictNote }
+            /// An [`OrderFault`].
+            broken: u8 { 18 OrderFault }
+            /// A [`VerdictMeasure`]: which measure is out of its bounds.
+            measure: u8 { 21 VerdictMeasure }
+        }
+    } };
 }
+
+verdict_fields!(wire_of_fields);
 message!(Verdict);
 
 impl Verdict {

@@ -1,6 +1,7 @@
 //! `include/andon.h` and `REGISTERS.md` are what the code says.
 #![allow(clippy::unwrap_used)]
 
+use andon_plc::c_abi::VERDICT_SOURCE;
 use andon_plc::registers::{MAP, control, status};
 use shm_schemas::{
     HandCode, OrderFault, VerdictLevel, VerdictMeasure, VerdictNote, VerdictOutcome, VerdictReason,
@@ -55,14 +56,30 @@ fn enums() -> String {
     .join("\n\n")
 }
 
+/// The struct that a macro makes of a verdict's fields, with the names that C has for the lists of the wire.
+fn verdict() -> String {
+    let names = [
+        ("A [`Verdict", "An [`Andon"),
+        ("A [`HandCode", "An [`AndonHand"),
+        ("[`OrderFault", "[`AndonOrderFault"),
+        ("[`NO_INDEX", "[`ANDON_NO_INDEX"),
+        ("[`", ""),
+        ("`]", ""),
+    ];
+    names.into_iter().fold(VERDICT_SOURCE.to_owned(), |source, (of_wire, of_c)| source.replace(of_wire, of_c))
+}
+
 #[test]
 fn the_header_is_what_cbindgen_makes_of_the_code() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut config = cbindgen::Config::from_file(root.join("cbindgen.toml")).unwrap();
     config.after_includes = Some(format!("\n{}", enums()));
+    let of_verdict = Path::new(env!("CARGO_TARGET_TMPDIR")).join("verdict.rs");
+    fs::write(&of_verdict, verdict()).unwrap();
     // The sources by name: cbindgen would otherwise ask cargo for every crate of the workspace.
     let builder = cbindgen::Builder::new()
         .with_config(config)
+        .with_src(of_verdict)
         .with_src(root.join("src/c_abi/types.rs"))
         .with_src(root.join("src/c_abi/reader.rs"))
         .with_src(root.join("src/c_abi/mod.rs"));

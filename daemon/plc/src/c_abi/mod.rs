@@ -17,6 +17,7 @@ use std::time::Duration;
 pub use reader::AndonReader;
 pub use types::{
     ANDON_NO_INDEX, ANDON_PART_BYTES, ANDON_STATION_BYTES, AndonResult, AndonStatus, AndonVerdict,
+    VERDICT_SOURCE,
 };
 
 use reader::{Next, code};

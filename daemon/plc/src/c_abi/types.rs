@@ -42,96 +42,55 @@ const _: () = assert!(ANDON_STATION_BYTES == STATION_BYTES + 1);
 pub const ANDON_PART_BYTES: usize = 33;
 const _: () = assert!(ANDON_PART_BYTES == PART_BYTES + 1);
 
-/// One verdict.
-#[repr(C)]
-#[derive(Debug)]
-pub struct AndonVerdict {
-    /// Number of the verdict since this start of the judge, from 1. A gap is a loss.
-    pub seq: u64,
-    /// Number of this start of the judge.
-    pub epoch: u64,
-    /// Number of the newest frame that the verdict depends on.
-    pub frame_seq: u64,
-    /// When that frame was captured, CLOCK_MONOTONIC in nanoseconds.
-    pub captured_ns: u64,
-    /// When the verdict was sent, CLOCK_MONOTONIC in nanoseconds.
-    pub sent_ns: u64,
-    /// Hash of the job file.
-    pub model_hash: u64,
-    /// When the IU, activity or job began, source time in nanoseconds.
-    pub began_ns: u64,
-    /// When it ended, or when it was decided if that was earlier, source time in nanoseconds.
-    pub ended_ns: u64,
-    /// Time of the newest feature couple that the decision depends on, source time in nanoseconds.
-    pub decided_ns: u64,
-    /// When it was decided, nanoseconds since 1970 UTC.
-    pub decided_utc_ns: u64,
-    /// The job that is watched.
-    pub job_id: u32,
-    /// DTW distance to the nearest taught motion; NaN if none was computed.
-    pub distance: f32,
-    /// The threshold that the distance was compared with; NaN if there is none.
-    pub threshold: f32,
-    /// The value of the measure that is out of its bounds, in the unit of `measure`; NaN if none is.
-    pub measured: f32,
-    /// The minimum that was shown; NaN if none is out of its bounds.
-    pub shown_min: f32,
-    /// The maximum that was shown; NaN if none is out of its bounds.
-    pub shown_max: f32,
-    /// Context features x_c of the IU; of its first IU for an activity; 0 for a job.
-    pub x_c: [u16; 4],
-    /// Index of the activity in this job, from 0, or ANDON_NO_INDEX.
-    pub activity: u16,
-    /// Index of the IU in its activity, from 0, or ANDON_NO_INDEX.
-    pub iu: u16,
-    /// Index of the taught activity that it was judged against, or ANDON_NO_INDEX.
-    pub nearest: u16,
-    /// Index of the other taught activity of the order that was broken, or ANDON_NO_INDEX.
-    pub broken_activity: u16,
-    /// How many of the runs that were shown keep that order.
-    pub broken_runs: u16,
-    /// An AndonLevel.
-    pub level: u8,
-    /// An AndonOutcome. Treat a number that is not in the list as not judged: it comes from another version.
-    pub outcome: u8,
-    /// An AndonReason.
-    pub reason: u8,
-    /// An AndonHand.
-    pub hand: u8,
-    /// 1 if the verdict came before the IU ended, otherwise 0.
-    pub early: u8,
-    /// An AndonNote: what was not shown before and breaks no rule of the order.
-    pub note: u8,
-    /// An AndonOrderFault.
-    pub broken: u8,
-    /// An AndonMeasure: which measure is out of its bounds.
-    pub measure: u8,
-    /// Name of the station, zero-terminated.
-    pub station: [c_char; ANDON_STATION_BYTES],
-    /// The part id that was in force when the job began, printable ASCII, zero-terminated; empty if none was given.
-    pub part: [c_char; ANDON_PART_BYTES],
+/// Keeps the source of a struct beside it. The generator of the header reads that, because it expands no macro.
+macro_rules! with_source {
+    ($source:ident: $item:item) => {
+        $item
+        #[doc(hidden)]
+        pub const $source: &str = stringify!($item);
+    };
 }
 
-/// Takes a verdict from the wire: the fields that C has as the wire has them, and those that C has not. Each field of the wire is named once: a new
-/// one does not compile before it is in one of the two lists.
-macro_rules! from_wire {
-    (same: $($same:ident)+, left out: $($left_out:ident)+) => {
-        impl From<&Verdict> for AndonVerdict {
-            fn from(verdict: &Verdict) -> Self {
-                let Verdict { stamp, station, part, $($same,)+ $($left_out: _,)+ } = *verdict;
-                let Stamp { seq, epoch, frame_seq, captured_ns, sent_ns } = stamp;
-                let (station, part) = (text(&station), text(part.bytes()));
-                Self { seq, epoch, frame_seq, captured_ns, sent_ns, station, part, $($same),+ }
+/// Makes of a verdict's fields the struct that C sees, and takes it from the wire.
+macro_rules! c_struct_of_fields {
+    ($type_name:literal, $bytes:literal, filled up by $filling:ident: $filling_ty:ty; $(#[$doc:meta])+ struct $wire:ident $(
+        not_in_c { $($left_out:tt)+ }
+        in_c { $( $(#[$field_doc:meta])+ $field:ident: $ty:ty { $($columns:tt)+ } )+ }
+    )+) => {
+        with_source! { VERDICT_SOURCE:
+            /// One verdict.
+            #[repr(C)]
+            #[derive(Debug)]
+            pub struct AndonVerdict {
+                /// Number of the verdict since this start of the judge, from 1. A gap is a loss.
+                pub seq: u64,
+                /// Number of this start of the judge.
+                pub epoch: u64,
+                /// Number of the newest frame that the verdict depends on.
+                pub frame_seq: u64,
+                /// When that frame was captured, CLOCK_MONOTONIC in nanoseconds.
+                pub captured_ns: u64,
+                /// When the verdict was sent, CLOCK_MONOTONIC in nanoseconds.
+                pub sent_ns: u64,
+                $( $( $(#[$field_doc])+ pub $field: $ty, )+ )+
+                /// Name of the station, zero-terminated.
+                pub station: [c_char; ANDON_STATION_BYTES],
+                /// The part id that was in force when the job began, printable ASCII, zero-terminated; empty if none was given.
+                pub part: [c_char; ANDON_PART_BYTES],
+            }
+        }
+
+        impl From<&$wire> for AndonVerdict {
+            fn from(verdict: &$wire) -> Self {
+                let Stamp { seq, epoch, frame_seq, captured_ns, sent_ns } = verdict.stamp;
+                let (station, part) = (text(&verdict.station), text(verdict.part.bytes()));
+                Self { seq, epoch, frame_seq, captured_ns, sent_ns, station, part, $( $( $field: verdict.$field, )+ )+ }
             }
         }
     };
 }
 
-from_wire!(
-    same: model_hash began_ns ended_ns decided_ns decided_utc_ns job_id distance threshold measured shown_min shown_max
-        x_c activity iu nearest broken_activity broken_runs level outcome reason hand early note broken measure,
-    left out: missing_s missing_object missing_hand missing_percent needed_percent captured_percent seen_percent reserved
-);
+shm_schemas::verdict_fields!(c_struct_of_fields);
 
 /// Bytes as a text of C, with a zero at its end.
 fn text<const BYTES: usize>(bytes: &[u8]) -> [c_char; BYTES] {
