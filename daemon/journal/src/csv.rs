@@ -13,19 +13,18 @@ pub(super) const AUDIT_HEADER: &str = "utc,kind,who,what\r\n";
 
 /// What a line begins with, before the columns of a verdict.
 const FIRST: [&str; 3] = ["decided_utc", "entry", "kind"];
-/// Columns of gaps and of times without sight alone; they stand before the last one of a verdict.
+/// Columns of gaps and of times without sight alone.
 const OF_OTHERS: [&str; 2] = ["last_seq", "ended_utc"];
+/// The part is the last: it is the one text of people.
+const LAST: &str = "part";
 /// The columns of a verdict that are not in CSV: `decided_utc` says one of them, and the others mean nothing outside of the machine.
 const LEFT_OUT: [&str; 4] = ["decided_utc_ns", "frame_seq", "captured_ns", "sent_ns"];
 
 /// The columns of a line, in their order.
 fn names() -> Vec<&'static str> {
-    let of_verdict = COLUMNS.iter().map(|column| column.name).filter(|name| !LEFT_OUT.contains(name));
-    let mut names: Vec<&str> = FIRST.into_iter().chain(of_verdict).collect();
-    // The part is the last: it is the one text of people.
-    let last = names.len() - 1;
-    names.splice(last..last, OF_OTHERS);
-    names
+    let has_its_place = |name: &&str| !LEFT_OUT.contains(name) && *name != LAST;
+    let of_verdict = COLUMNS.iter().map(|column| column.name).filter(has_its_place);
+    FIRST.into_iter().chain(of_verdict).chain(OF_OTHERS).chain([LAST]).collect()
 }
 
 /// The first line.

@@ -3,10 +3,12 @@
 use std::path::Path;
 
 use rusqlite::{Connection, TransactionBehavior};
+use shm_schemas::COLUMNS;
 
 use super::error::JournalError;
 
-/// Migration `i` takes the schema from version `i` to `i + 1`, which SQLite keeps as `user_version`. Only append.
+/// Migration `i` takes the schema from version `i` to `i + 1`, which SQLite keeps as `user_version`. Only append. A value that verdicts have more needs
+/// none: see [`prepare`].
 pub(super) const MIGRATIONS: &[&str] = &[
     "
     CREATE TABLE verdict (
@@ -177,7 +179,8 @@ pub(super) const MIGRATIONS: &[&str] = &[
 ",
 ];
 
-/// Configures the connection and brings the schema up to date.
+/// Configures the connection and brings the schema up to date. A column that a verdict has and the table has not is added. It holds what is written to
+/// it, and of older verdicts nothing, which is read as none. Another version of the program writes and reads the other columns as before.
 pub(super) fn prepare(connection: &mut Connection, path: &Path) -> Result<(), JournalError> {
     let failed = |source| JournalError::of(path, 0, source);
     // Must precede the first table; it lets the file shrink when old rows are removed.
@@ -188,7 +191,8 @@ pub(super) fn prepare(connection: &mut Connection, path: &Path) -> Result<(), Jo
     connection.pragma_update(None, "journal_size_limit", 4 << 20).map_err(failed)?;
 
     // An up-to-date schema is not written, so that the journal opens on a full disk too.
-    if version(connection).map_err(failed)? == MIGRATIONS.len() as u32 {
+    let is_current = version(connection).map_err(failed)? == MIGRATIONS.len() as u32;
+    if is_current && missing_columns(connection).map_err(failed)?.is_empty() {
         return Ok(());
     }
     let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate).map_err(failed)?;
@@ -199,8 +203,20 @@ pub(super) fn prepare(connection: &mut Connection, path: &Path) -> Result<(), Jo
     for migration in MIGRATIONS.iter().skip(found as usize) {
         transaction.execute_batch(migration).map_err(failed)?;
     }
+    for column in missing_columns(&transaction).map_err(failed)? {
+        let add = format!("ALTER TABLE verdict ADD COLUMN {column} ANY");
+        transaction.execute_batch(&add).map_err(failed)?;
+    }
     transaction.pragma_update(None, "user_version", known).map_err(failed)?;
     transaction.commit().map_err(failed)
+}
+
+/// The columns of a verdict that the table has not.
+fn missing_columns(connection: &Connection) -> rusqlite::Result<Vec<&'static str>> {
+    let mut statement = connection.prepare("SELECT name FROM pragma_table_info('verdict')")?;
+    let there: Vec<String> = statement.query_map([], |row| row.get(0))?.collect::<Result<_, _>>()?;
+    let is_missing = |name: &&str| there.iter().all(|known| known != name);
+    Ok(COLUMNS.iter().map(|column| column.name).filter(is_missing).collect())
 }
 
 fn version(connection: &Connection) -> rusqlite::Result<u32> {

@@ -70,8 +70,8 @@ fn the_csv_has_one_line_per_entry_and_the_same_columns_in_every_line() {
     assert!(lines[2].starts_with("1970-01-01T00:00:03Z,gap,,,,lost,"));
     assert!(lines[2].ends_with(",1,2,2,,"));
     assert_eq!(lines.len(), 5);
-    for line in &lines[..4] {
-        assert_eq!(line.split(',').count(), 43, "{line}");
+    for line in &lines[1..4] {
+        assert_eq!(line.split(',').count(), lines[0].split(',').count(), "{line}");
     }
 }
 
@@ -93,7 +93,8 @@ fn the_part_is_in_the_history_and_quoted_where_a_spreadsheet_would_cut_it() {
         bench.append(&Verdict { part, ..verdict(1, seq) }).unwrap();
     }
     let csv = csv_of(&bench);
-    let ends: Vec<&str> = csv.lines().map(|line| line.splitn(43, ',').last().unwrap()).collect();
+    let columns = csv.lines().next().unwrap().split(',').count();
+    let ends: Vec<&str> = csv.lines().map(|line| line.splitn(columns, ',').last().unwrap()).collect();
     assert_eq!(ends, ["part", "A-17", "\"4,\"\"5\"\"\"", ""]);
 }
 

@@ -9,7 +9,7 @@ mod versions;
 mod written;
 
 use super::*;
-use shm_schemas::{NO_INDEX, VerdictLevel, VerdictOutcome};
+use shm_schemas::{VerdictLevel, VerdictOutcome};
 
 const KEEP: Retention = Retention { keep_days: 36_500, keep_mb: 1000, without: &[] };
 const DAY_NS: u64 = 86_400_000_000_000;
@@ -19,20 +19,12 @@ fn verdict(epoch: u64, seq: u64) -> Verdict {
         level: VerdictLevel::Activity.code(),
         outcome: VerdictOutcome::Ok.code(),
         job_id: 3,
-        distance: f32::NAN,
         threshold: 2.5,
-        measured: f32::NAN,
-        shown_min: f32::NAN,
-        shown_max: f32::NAN,
-        missing_s: f32::NAN,
-        captured_percent: shm_schemas::NO_PERCENT,
-        seen_percent: shm_schemas::NO_PERCENT,
-        missing_percent: shm_schemas::NO_PERCENT,
-        needed_percent: shm_schemas::NO_PERCENT,
         activity: 1,
-        iu: NO_INDEX,
+        nearest: 0,
+        broken_activity: 0,
         decided_utc_ns: seq * 1_000_000_000,
-        ..Default::default()
+        ..Verdict::NONE
     };
     verdict.station[..6].copy_from_slice(b"bench1");
     (verdict.stamp.epoch, verdict.stamp.seq) = (epoch, seq);

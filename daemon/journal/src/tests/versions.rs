@@ -1,7 +1,7 @@
 //! Journals of other versions, and files that are no journal.
 
 use super::*;
-use shm_schemas::{PartId, verdict_kind};
+use shm_schemas::{NO_PERCENT, PartId, VerdictNote, verdict_kind};
 
 /// A journal of the newest schema that has not seen the migration in which these words stand.
 fn journal_before(path: &Path, words: &str) -> Connection {
@@ -81,6 +81,33 @@ fn a_journal_of_the_schema_without_parts_opens_and_its_verdicts_have_none() {
     let parts: Vec<PartId> =
         bench.journal.rows_after(0, 10).unwrap().iter().map(|row| row.verdict.part).collect();
     assert_eq!(parts, [PartId::NONE, part]);
+}
+
+/// A field that is added to a verdict is a column that the journals in the field have not.
+#[test]
+fn a_column_that_a_journal_has_not_is_added_and_older_verdicts_have_nothing_in_it() {
+    let whole = |seq| Verdict {
+        seen_percent: 40,
+        missing_s: 1.5,
+        model_hash: 99,
+        note: VerdictNote::Again.code(),
+        ..verdict(1, seq)
+    };
+    let mut bench = Bench::new();
+    bench.append(&whole(1)).unwrap();
+    for column in ["seen_percent", "missing_s", "model_hash", "note"] {
+        let drop = format!("ALTER TABLE verdict DROP COLUMN {column}");
+        bench.journal.connection.execute_batch(&drop).unwrap();
+    }
+    bench.journal = Journal::open(&bench.path(), KEEP).unwrap();
+    bench.append(&whole(2)).unwrap();
+    let rows = bench.journal.rows_after(0, 10).unwrap();
+    let values = |row: &Written| {
+        let Verdict { seen_percent, missing_s, model_hash, note, .. } = row.verdict;
+        (seen_percent, missing_s.is_nan(), model_hash, note)
+    };
+    assert_eq!(values(&rows[0]), (NO_PERCENT, true, 0, 0));
+    assert_eq!(values(&rows[1]), (40, false, 99, VerdictNote::Again.code()));
 }
 
 #[test]
