@@ -5,6 +5,7 @@ use andon_core::verdict::{BrokenOrder, Level, Measure, Measured, Missing, Verdic
 use andon_learn::distribution::Distribution;
 use andon_learn::job_file::JobFile;
 use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
 use shm_schemas::{PartId, verdict_kind};
 
 use super::Names;
@@ -136,105 +137,84 @@ impl MissingLine {
 }
 
 /// One verdict. Its numbers of activities and IUs count from 0, as in CSV and on the registers.
-#[derive(Debug, Serialize)]
-pub struct VerdictLine {
+#[derive(Debug)]
+pub struct VerdictLine<'v> {
     seq: u64,
-    kind: &'static str,
-    level: &'static str,
-    outcome: &'static str,
-    reason: &'static str,
-    hand: Option<&'static str>,
-    activity: Option<u16>,
-    iu: Option<u16>,
-    context: Option<[u16; 4]>,
-    distance: Option<f64>,
-    threshold: Option<f64>,
-    /// How many of a hundred frames of the IU were captured.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    captured_percent: Option<u8>,
-    /// In how many of a hundred frames of the IU the hand and each object that it acts on were seen.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    seen_percent: Option<u8>,
-    /// Why it was not judged, in figures.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    missing: Option<MissingLine>,
-    nearest: Option<u16>,
-    /// The name of the step that `nearest` is.
-    step: Option<String>,
-    /// What was expected, and what came, in words of one kind.
-    expected: Option<String>,
-    got: Option<String>,
-    measures: Option<MeasureLine>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    distribution: Option<DistributionLine>,
-    broken: Option<BrokenLine>,
-    note: Option<&'static str>,
-    early: bool,
-    began_s: f64,
-    ended_s: f64,
-    decided_s: f64,
-    part: Option<String>,
+    verdict: &'v Verdict,
+    part: &'v PartId,
+    names: &'v Names,
+    job: Option<&'v JobFile>,
 }
 
-impl VerdictLine {
+impl<'v> VerdictLine<'v> {
     /// The line of verdict number `seq` on this part. `job` is the one that it was judged by, where that is known.
-    pub fn new(seq: u64, verdict: &Verdict, part: &PartId, names: &Names, job: Option<&JobFile>) -> Self {
-        // Every field is named: one that is new does not compile before it is said here.
-        let Verdict {
-            level: of,
-            outcome: came,
-            reason: why,
-            side,
-            nearest,
-            activity,
-            iu,
-            context,
-            distance,
-            threshold,
-            captured_percent,
-            seen_percent,
-            missing,
-            measured,
-            broken,
-            note: what,
-            early,
-            began_ns,
-            ended_ns,
-            decided_ns,
-        } = *verdict;
-        let (level, outcome, of_job) = (level(of), outcome(came), of == Level::Job);
+    pub const fn new(
+        seq: u64,
+        verdict: &'v Verdict,
+        part: &'v PartId,
+        names: &'v Names,
+        job: Option<&'v JobFile>,
+    ) -> Self {
+        Self { seq, verdict, part, names, job }
+    }
+}
+
+/// Each value is one line here. `value` writes null for none, and `some` leaves the key out.
+impl Serialize for VerdictLine<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Self { seq, verdict, part, names, job } = *self;
+        let (level, outcome) = (level(verdict.level), outcome(verdict.outcome));
+        let is_of_job = verdict.level == Level::Job;
         let (expected, got) = names.expected_and_got(verdict);
-        let step = nearest.and_then(|step| names.steps().get(usize::from(step)));
+        let step = verdict.nearest.and_then(|step| names.steps().get(usize::from(step)));
         let distribution = job.and_then(|job| Distribution::of_verdict(job, verdict));
-        Self {
-            seq,
-            kind: verdict_kind(level, outcome),
-            level: level.name(),
-            outcome: outcome.name(),
-            reason: reason(why).name(),
-            hand: side.map(Side::name),
-            activity: (!of_job).then_some(activity),
-            iu,
-            context: (!of_job).then_some(context.0),
-            distance: number(distance),
-            threshold: number(threshold),
-            captured_percent,
-            seen_percent,
-            missing: MissingLine::new(missing, names),
-            nearest,
-            step: step.map(|step| step.name.clone()),
-            expected,
-            got,
-            measures: measured.map(MeasureLine::new),
-            distribution: distribution.map(DistributionLine::new),
-            broken: broken.map(BrokenLine::new),
-            note: what.map(|word| note(word).name()),
-            early,
-            began_s: seconds(began_ns),
-            ended_s: seconds(ended_ns),
-            decided_s: seconds(decided_ns),
-            part: (!part.is_none()).then(|| part.text().to_owned()),
-        }
+        let mut line = Line(serializer.serialize_map(None)?);
+        line.value("seq", &seq)?;
+        line.value("kind", verdict_kind(level, outcome))?;
+        line.value("level", level.name())?;
+        line.value("outcome", outcome.name())?;
+        line.value("reason", reason(verdict.reason).name())?;
+        line.value("hand", &verdict.side.map(Side::name))?;
+        line.value("activity", &(!is_of_job).then_some(verdict.activity))?;
+        line.value("iu", &verdict.iu)?;
+        line.value("context", &(!is_of_job).then_some(verdict.context.0))?;
+        line.value("distance", &number(verdict.distance))?;
+        line.value("threshold", &number(verdict.threshold))?;
+        // How many of a hundred frames of the IU were captured.
+        line.some("captured_percent", verdict.captured_percent)?;
+        // In how many of a hundred frames of the IU the hand and each object that it acts on were seen.
+        line.some("seen_percent", verdict.seen_percent)?;
+        // Why it was not judged, in figures.
+        line.some("missing", MissingLine::new(verdict.missing, names))?;
+        line.value("nearest", &verdict.nearest)?;
+        // The name of the step that `nearest` is.
+        line.value("step", &step.map(|step| &step.name))?;
+        // What was expected, and what came, in words of one kind.
+        line.value("expected", &expected)?;
+        line.value("got", &got)?;
+        line.value("measures", &verdict.measured.map(MeasureLine::new))?;
+        line.some("distribution", distribution.map(DistributionLine::new))?;
+        line.value("broken", &verdict.broken.map(BrokenLine::new))?;
+        line.value("note", &verdict.note.map(|what| note(what).name()))?;
+        line.value("early", &verdict.early)?;
+        line.value("began_s", &seconds(verdict.began_ns))?;
+        line.value("ended_s", &seconds(verdict.ended_ns))?;
+        line.value("decided_s", &seconds(verdict.decided_ns))?;
+        line.value("part", &(!part.is_none()).then(|| part.text()))?;
+        line.0.end()
+    }
+}
+
+/// The values of a line, as they are written.
+struct Line<M>(M);
+
+impl<M: SerializeMap> Line<M> {
+    fn value(&mut self, key: &'static str, value: &(impl Serialize + ?Sized)) -> Result<(), M::Error> {
+        self.0.serialize_entry(key, value)
+    }
+
+    fn some(&mut self, key: &'static str, value: Option<impl Serialize>) -> Result<(), M::Error> {
+        value.map_or(Ok(()), |value| self.value(key, &value))
     }
 }
 
