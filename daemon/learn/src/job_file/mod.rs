@@ -2,6 +2,10 @@
 //!
 //! It is TOML with a format, a version and a checksum. A file is refused if it is damaged, has another version or exceeds a capacity of
 //! the method; the error says where. [`JobFile::with_job`] lends the [`Job`] that the judge needs.
+//!
+//! A job is known by a hash of the text that [`JobFile::to_toml`] writes, with its keys and comments. A PLC asks for it, and verdicts and recordings
+//! name it. So no key is renamed, whatever the code calls its value: every job in use would get another hash, and its PLC would be refused. The keys
+//! `bow_m` and `max_bow_m` are the lateral deviation.
 
 mod checksum;
 mod error;
