@@ -62,12 +62,14 @@ const MAY_USE: [(&str, &[&str]); 17] = [
 ];
 
 /// Libraries that one crate alone may use, besides the tests: the rest of the program does not know them.
-const KNOWN_BY_ONE: [(&str, &[&str]); 6] = [
+const KNOWN_BY_ONE: [(&str, &[&str]); 8] = [
+    ("argon2", &["andon-board"]),
     ("hyper", &["andon-http"]),
     ("iceoryx2", &["andon-ipc"]),
     ("mcap", &["andon-record"]),
     ("ort", &["andon-perception"]),
     ("rusqlite", &["andon-journal"]),
+    ("rustls", &["andon-http"]),
     ("tokio-modbus", &["andon-plc"]),
 ];
 

@@ -9,17 +9,36 @@ use std::task::{Context, Poll};
 use hyper::body::{Body, Bytes, Frame, SizeHint};
 use tokio::sync::{mpsc, oneshot};
 
+use super::Response;
+
 /// Messages that wait for a client. One that does not read for so long is cut off.
 const WAITING: usize = 64;
 
 /// Bytes that wait for a client, unless one message alone is larger. A hundred deaf clients must not cost the machine its memory.
 const WAITING_BYTES: usize = 1 << 20;
 
-/// The body of a [`super::Response`], as hyper reads it.
+/// The body of a [`super::Response`], before its client is there.
 #[derive(Debug)]
-pub(super) enum Content {
-    Whole(Option<Bytes>),
-    Feed(Messages),
+pub(super) enum Sent {
+    Whole(Vec<u8>),
+    Feed { messages: Messages, ending: Ending },
+    Later(oneshot::Receiver<Response>),
+}
+
+/// The place of an answer that is given later. Where it is dropped, the client is told that there is none.
+#[derive(Debug)]
+pub struct Later(oneshot::Sender<Response>);
+
+impl Later {
+    pub(super) fn new() -> (Self, Sent) {
+        let (send, later) = oneshot::channel();
+        (Self(send), Sent::Later(later))
+    }
+
+    /// Answers. A client that has left needs none.
+    pub fn answer(self, response: Response) {
+        let _ = self.0.send(response);
+    }
 }
 
 /// The receiving end of a feed.
@@ -28,7 +47,6 @@ pub(super) struct Messages {
     messages: mpsc::Receiver<Bytes>,
     /// Bytes that wait.
     waiting: Arc<AtomicUsize>,
-    ending: Option<Ending>,
 }
 
 impl Messages {
@@ -41,12 +59,14 @@ impl Messages {
     }
 }
 
-impl Content {
-    /// Takes what tells of its end, if it has no end of its own.
-    pub(super) fn ending(&mut self) -> Option<Ending> {
+impl Sent {
+    /// What hyper sends, and what ends it if it has no end of its own.
+    pub(super) fn open(self) -> (Content, Option<Ending>) {
         match self {
-            Self::Whole(_) => None,
-            Self::Feed(messages) => messages.ending.take(),
+            Self::Whole(bytes) => (Content::Whole(Some(bytes.into())), None),
+            Self::Feed { messages, ending } => (Content::Feed(messages), Some(ending)),
+            // Who answers later answers with what is there.
+            Self::Later(_) => (Content::Whole(None), None),
         }
     }
 }
@@ -62,12 +82,12 @@ pub struct Feed {
 }
 
 impl Feed {
-    pub(super) fn new() -> (Self, Messages) {
+    pub(super) fn new() -> (Self, Sent) {
         let (send, messages) = mpsc::channel(WAITING);
         let (open, ending) = oneshot::channel();
         let waiting = Arc::<AtomicUsize>::default();
-        let messages = Messages { messages, waiting: Arc::clone(&waiting), ending: Some(Ending(ending)) };
-        (Self { messages: send, waiting, _open: open }, messages)
+        let messages = Messages { messages, waiting: Arc::clone(&waiting) };
+        (Self { messages: send, waiting, _open: open }, Sent::Feed { messages, ending: Ending(ending) })
     }
 
     /// Sends these bytes, and waits for nothing. False where the client has left, or does not read: the feed is then to be dropped.
@@ -89,6 +109,13 @@ impl Ending {
         // Nothing is ever sent.
         let _ = self.0.await;
     }
+}
+
+/// A body as hyper reads it.
+#[derive(Debug)]
+pub(super) enum Content {
+    Whole(Option<Bytes>),
+    Feed(Messages),
 }
 
 impl Body for Content {
@@ -129,17 +156,18 @@ mod tests {
 
     #[test]
     fn a_feed_keeps_no_more_than_its_bytes_and_takes_any_message_alone() {
-        let (feed, _messages) = Feed::new();
+        let (feed, _sent) = Feed::new();
         assert_eq!(taken(&feed, &Bytes::from(vec![7; WAITING_BYTES / 4])), 4);
-        let (feed, _messages) = Feed::new();
+        let (feed, _sent) = Feed::new();
         assert_eq!(taken(&feed, &Bytes::from(vec![7; 2 * WAITING_BYTES])), 1);
-        let (feed, _messages) = Feed::new();
+        let (feed, _sent) = Feed::new();
         assert_eq!(taken(&feed, &Bytes::from_static(b"beat")), WAITING);
     }
 
     #[test]
     fn what_was_read_makes_room() {
-        let (feed, mut messages) = Feed::new();
+        let (feed, sent) = Feed::new();
+        let Sent::Feed { mut messages, .. } = sent else { unreachable!("a feed was made") };
         let mut context = Context::from_waker(std::task::Waker::noop());
         for _ in 0..10 {
             assert!(feed.send(vec![7; WAITING_BYTES]));

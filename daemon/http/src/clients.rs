@@ -6,12 +6,10 @@ use std::time::{Duration, Instant};
 
 use rustix::net::sockopt;
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 use tokio::time::sleep;
 
-use super::Call;
-use super::connection::serve;
+use super::connection::{Service, serve};
 
 /// Clients that are served at once. Each may hold a request and an answer in memory.
 const CLIENTS: usize = 64;
@@ -42,7 +40,7 @@ enum Step {
 }
 
 impl Progress {
-    /// Its request has come.
+    /// Its request has come, with its form.
     pub(super) fn asked(&self) {
         *self.step() = Step::Asked;
     }
@@ -73,18 +71,18 @@ impl Client {
 }
 
 /// Serves every client, each beside the others, until it is dropped.
-pub(super) async fn accept_all(listener: &TcpListener, calls: &mpsc::Sender<Call>) {
+pub(super) async fn accept_all(listener: &TcpListener, service: &Service) {
     let mut clients = VecDeque::new();
     loop {
         match listener.accept().await {
-            Ok((stream, _)) => {
+            Ok((stream, peer)) => {
                 // A short message must not wait for the acknowledgement of the one before it. Without this it comes late, and comes all the same.
                 let _ = stream.set_nodelay(true);
                 cut_off_when_unreachable(&stream);
                 make_room(&mut clients).await;
-                let (progress, calls) = (Progress::default(), calls.clone());
+                let (progress, service) = (Progress::default(), service.clone());
                 // The runtime has one thread, and ends with it whatever still waits.
-                let task = tokio::spawn(serve(stream, calls, progress.clone()));
+                let task = tokio::spawn(serve(stream, peer.ip(), service, progress.clone()));
                 clients.push_back(Client { task, progress });
             }
             Err(error) => {

@@ -1,25 +1,27 @@
 //! One client: its request, the way to the loop and back, and the limits that keep it from costing others anything.
 
 use std::convert::Infallible;
+use std::net::IpAddr;
 use std::sync::Mutex;
 use std::time::Duration;
 
 use hyper::body::Incoming;
-use hyper::header::{CONTENT_TYPE, HOST, HeaderName, HeaderValue};
+use hyper::header::{CONTENT_TYPE, COOKIE, HOST, HeaderName, HeaderValue};
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper::{Method, StatusCode};
 use hyper_util::rt::{TokioIo, TokioTimer};
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpStream;
 use tokio::sync::{mpsc, oneshot};
 use tokio::time::{sleep, timeout};
 
-use super::body::{Content, Ending};
+use super::body::{Content, Ending, Sent};
 use super::clients::Progress;
-use super::{Call, Request, Response};
+use super::{Call, Offer, Request, Response, form};
 
-/// How long a client may take to send its request: a machine in the same hall needs milliseconds.
-const REQUEST: Duration = Duration::from_secs(2);
+/// How long a client may take to shake hands, to send the head of its request, and to send a form: a machine in the same hall needs milliseconds.
+pub(super) const REQUEST: Duration = Duration::from_secs(2);
 
 /// The whole of a connection, with the time in which a slow client reads its answer.
 const CONNECTION: Duration = Duration::from_secs(10);
@@ -27,21 +29,44 @@ const CONNECTION: Duration = Duration::from_secs(10);
 /// A loop that has not answered by then stands still: a role turns twenty times a second.
 const LOOP_PATIENCE: Duration = Duration::from_secs(2);
 
-/// The request of a browser without a body is shorter.
+/// How long an answer may take that is not the loop's own: within the time of the connection.
+const LATER: Duration = Duration::from_secs(7);
+
+/// The head of a browser's request is shorter.
 const REQUEST_BYTES: usize = 16 * 1024;
 
 /// How long a client has after the end of a feed to read what was sent to it.
 const REST: Duration = Duration::from_secs(1);
 
+/// What is served to whom.
+#[derive(Clone)]
+pub(super) struct Service {
+    pub(super) calls: mpsc::Sender<Call>,
+    pub(super) offer: Offer,
+}
+
 /// Serves a client to the end of its connection.
-pub(super) async fn serve(stream: TcpStream, calls: mpsc::Sender<Call>, progress: Progress) {
+pub(super) async fn serve(stream: TcpStream, peer: IpAddr, service: Service, progress: Progress) {
+    let Some(tls) = service.offer.tls.clone() else { return talk(stream, peer, service, progress).await };
+    match timeout(REQUEST, tls.accept(stream)).await {
+        Ok(Ok(stream)) => talk(stream, peer, service, progress).await,
+        Ok(Err(error)) => tracing::debug!(%error, "a client did not shake hands"),
+        Err(_) => tracing::debug!("a client took too long to shake hands"),
+    }
+}
+
+async fn talk(
+    stream: impl AsyncRead + AsyncWrite + Unpin,
+    peer: IpAddr,
+    service: Service,
+    progress: Progress,
+) {
     let (starts, started) = oneshot::channel();
     let starts = Mutex::new(Some(starts));
-    let service = service_fn(|request: hyper::Request<Incoming>| {
-        let (calls, starts, progress) = (calls.clone(), &starts, &progress);
-        progress.asked();
+    let answered = service_fn(|request: hyper::Request<Incoming>| {
+        let (service, starts, progress) = (service.clone(), &starts, &progress);
         async move {
-            let response = answer(&request, &calls).await;
+            let response = answer(request, peer, &service, progress).await;
             progress.answered(response.is_feed());
             Ok::<_, Infallible>(whole(response, starts))
         }
@@ -51,7 +76,7 @@ pub(super) async fn serve(stream: TcpStream, calls: mpsc::Sender<Call>, progress
         .header_read_timeout(REQUEST)
         .max_buf_size(REQUEST_BYTES)
         .keep_alive(false)
-        .serve_connection(TokioIo::new(stream), service);
+        .serve_connection(TokioIo::new(stream), answered);
     tokio::select! {
         ended = connection => if let Err(error) = ended {
             tracing::debug!(%error, "a client was not answered");
@@ -69,24 +94,64 @@ async fn limit(started: oneshot::Receiver<Ending>) {
 }
 
 /// Lets the loop answer.
-async fn answer(request: &hyper::Request<Incoming>, calls: &mpsc::Sender<Call>) -> Response {
-    if ![Method::GET, Method::HEAD].contains(request.method()) {
-        return Response::text(405, "only GET and HEAD are served\n").with(&[("allow", "GET, HEAD")]);
+async fn answer(
+    mut request: hyper::Request<Incoming>,
+    peer: IpAddr,
+    service: &Service,
+    progress: &Progress,
+) -> Response {
+    let is_post = *request.method() == Method::POST;
+    let is_served = [Method::GET, Method::HEAD].contains(request.method());
+    if !(is_served || is_post && service.offer.takes_forms) {
+        return match service.offer.takes_forms {
+            true => Response::text(405, "only GET, HEAD and POST are served\n")
+                .with(&[("allow", "GET, HEAD, POST")]),
+            false => Response::text(405, "only GET and HEAD are served\n").with(&[("allow", "GET, HEAD")]),
+        };
     }
+    let form = match is_post {
+        true => match form::read(&mut request).await {
+            Ok(form) => Some(form),
+            Err(refused) => return refused,
+        },
+        false => None,
+    };
+    // Until then it may make way for another.
+    progress.asked();
     let uri = request.uri();
     let request = Request {
         path: uri.path().to_owned(),
         query: uri.query().unwrap_or_default().to_owned(),
-        host: host(request),
-        is_from_another_site: is_from_another_site(request),
+        host: host(&request),
+        is_from_another_site: is_from_another_site(&request),
+        is_from_own_page: form::is_from_own_page(&request, service.offer.tls.is_some()),
+        cookies: cookies(&request),
+        peer: Some(peer),
+        form,
     };
     let (reply, answered) = oneshot::channel();
     // Where there is no room for it, nobody answers it either.
-    let _ = calls.try_send(Call { request, reply });
+    let _ = service.calls.try_send(Call { request, reply });
     match timeout(LOOP_PATIENCE, answered).await {
-        Ok(Ok(response)) => response,
+        Ok(Ok(response)) => settled(response).await,
         _ => Response::text(503, "the program does not answer now\n"),
     }
+}
+
+/// The answer itself, where it is given later. It keeps the headers of what stood for it.
+async fn settled(response: Response) -> Response {
+    let Sent::Later(later) = response.body else { return response };
+    let answer = match timeout(LATER, later).await {
+        Ok(Ok(answer)) => answer,
+        _ => Response::text(503, "the program does not answer now\n"),
+    };
+    Response { headers: response.headers, ..answer }
+}
+
+/// All that the client sends as cookies; those that are no text are none.
+fn cookies(request: &hyper::Request<Incoming>) -> String {
+    let sent = request.headers().get_all(COOKIE).iter();
+    sent.filter_map(|cookies| cookies.to_str().ok()).collect::<Vec<_>>().join("; ")
 }
 
 fn host(request: &hyper::Request<Incoming>) -> Option<String> {
@@ -108,20 +173,24 @@ fn is_from_another_site(request: &hyper::Request<Incoming>) -> bool {
     is_elsewhere && !(is("sec-fetch-mode", &[b"navigate"]) && is("sec-fetch-dest", &[b"document"]))
 }
 
-fn whole(
-    mut response: Response,
-    starts: &Mutex<Option<oneshot::Sender<Ending>>>,
-) -> hyper::Response<Content> {
+fn whole(response: Response, starts: &Mutex<Option<oneshot::Sender<Ending>>>) -> hyper::Response<Content> {
+    let (content, ending) = response.body.open();
     let mut starts = starts.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    if let Some((ending, starts)) = response.body.ending().zip(starts.take()) {
+    if let Some((ending, starts)) = ending.zip(starts.take()) {
         // The other end is in `limit`, which lasts as long as this.
         let _ = starts.send(ending);
     }
-    let mut whole = hyper::Response::new(response.body);
+    let mut whole = hyper::Response::new(content);
     *whole.status_mut() = StatusCode::from_u16(response.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
     whole.headers_mut().insert(CONTENT_TYPE, HeaderValue::from_static(response.kind));
     for (name, value) in response.headers {
         whole.headers_mut().insert(HeaderName::from_static(name), HeaderValue::from_static(value));
+    }
+    for (name, value) in response.own_headers {
+        // The program makes them of what it has read itself: what is no header is none of its own.
+        if let Ok(value) = HeaderValue::try_from(value) {
+            whole.headers_mut().insert(HeaderName::from_static(name), value);
+        }
     }
     whole
 }
