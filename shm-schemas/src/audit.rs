@@ -23,6 +23,8 @@ codes! {
         Recording = 7 as "recording",
         /// A person has said whether a verdict was right.
         Confirmation = 8 as "confirmation",
+        /// A login of the board was made, changed or removed.
+        Login = 9 as "login",
     }
 }
 

@@ -39,10 +39,16 @@ pub struct Tab(String);
 impl Browser {
     /// Starts one with a profile of its own.
     pub fn start() -> Self {
+        Self::start_with(&[])
+    }
+
+    /// Starts one with further options of Chromium.
+    pub fn start_with(options: &[&str]) -> Self {
         let profile = tempfile::tempdir().unwrap();
         let mut child = Command::new("sh")
             .args(["-c", START, "sh"])
             .args(OPTIONS)
+            .args(options)
             .arg(format!("--user-data-dir={}", profile.path().display()))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())

@@ -9,9 +9,11 @@
 
 mod backup;
 pub mod blackbox;
+mod boards;
 pub mod cli;
 mod clock;
 pub mod compatibility;
+mod confirmed;
 pub mod encoding;
 mod identity;
 pub mod metric;

@@ -71,6 +71,7 @@ fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
         Command::Restore(arguments) => tool::restore::run(&arguments)?.into(),
         Command::Idle(arguments) => tool::idle::run(&arguments)?.into(),
         Command::Part(arguments) => tool::part::run(&arguments)?.into(),
+        Command::Board(arguments) => tool::board::run(&arguments.action)?.into(),
         Command::Analyze(arguments) => {
             tool::working("analyze", || tool::analyze::run(&arguments).map_err(Box::new))?.into()
         }

@@ -42,6 +42,8 @@ pub(crate) struct Address {
     pub(crate) fault: String,
     /// The event that the list begins with; without it the newest.
     pub(crate) at: String,
+    /// Whether the reader may say that a verdict was right. No query says so.
+    pub(crate) may_confirm: bool,
 }
 
 /// No language, fault or event has a longer name. Every row of a list repeats the values in its link.
@@ -94,11 +96,35 @@ impl Address {
         format!("{}{}", self.page.path(), self.query('?'))
     }
 
+    /// The address in the query of a login, or in a form: `to` is the page.
+    pub(crate) fn of_login(query: &str) -> Self {
+        let pages = Page::ALL.into_iter();
+        let is_named =
+            |page: &Page| query.split('&').any(|pair| pair.strip_prefix("to=") == Some(page.name()));
+        Self::new(pages.rev().find(is_named).unwrap_or_default(), query)
+    }
+
+    /// The way to a login that leads back to here.
+    pub(crate) fn login(&self) -> String {
+        format!("/login?to={}{}", self.page.name(), self.query('&'))
+    }
+
+    /// What a form sends to come back to here.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        std::iter::once(("to", self.page.name())).chain(self.said())
+    }
+
+    fn said(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        let pairs = [("lang", self.lang.as_str()), ("fault", &self.fault), ("at", &self.at)];
+        pairs.into_iter().filter(|(_, value)| !value.is_empty())
+    }
+
     fn query(&self, first: char) -> String {
-        let pairs = [("lang", &self.lang), ("fault", &self.fault), ("at", &self.at)];
-        let said = pairs.into_iter().filter(|(_, value)| !value.is_empty());
         let separators = std::iter::once(first).chain(std::iter::repeat('&'));
-        separators.zip(said).map(|(separator, (key, value))| format!("{separator}{key}={value}")).collect()
+        separators
+            .zip(self.said())
+            .map(|(separator, (key, value))| format!("{separator}{key}={value}"))
+            .collect()
     }
 }
 
@@ -112,6 +138,8 @@ mod tests {
         assert_eq!(address.link(), "/technician?lang=de&fault=Duration.below&at=17-4");
         let events = address.events();
         assert_eq!(Address::of_events(events.split_once('?').map_or("", |(_, query)| query)), address);
+        let login = address.login();
+        assert_eq!(Address::of_login(login.split_once('?').map_or("", |(_, query)| query)), address);
         assert_eq!(Address::of_events("view=nothing"), Address::default());
         assert_eq!(Address::default().link(), "/");
     }

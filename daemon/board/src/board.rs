@@ -3,11 +3,12 @@
 use std::collections::VecDeque;
 use std::net::IpAddr;
 
-use andon_http::{Request, Response};
-use shm_schemas::{Health, JudgePhase, Judging, RoleId, Verdict, VerdictLevel};
+use shm_schemas::{Health, JudgePhase, Judging, MessageId, RoleId, Verdict, VerdictLevel};
 
+use crate::access::Access;
 use crate::address::{Address, Page};
 use crate::clips::Clips;
+use crate::confirm::{Asked, Confirmations, Was};
 use crate::guard::Guard;
 use crate::job::Job;
 use crate::line::Line;
@@ -27,24 +28,6 @@ const EVENTS: usize = 1000;
 /// A browser without scripts asks twice a minute.
 const LOOKED_NS: u64 = 60_000_000_000;
 
-const HTML: &str = "text/html; charset=utf-8";
-const STYLE: &str = include_str!("page/board.css");
-const SCRIPT: &str = include_str!("page/board.js");
-
-/// Nothing comes from anywhere else, nothing of it goes to another site, and no browser keeps it.
-const SAFETY: &[(&str, &str)] = &[
-    (
-        "content-security-policy",
-        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'self'; \
-         frame-ancestors 'none'",
-    ),
-    ("x-content-type-options", "nosniff"),
-    ("referrer-policy", "no-referrer"),
-    ("cross-origin-resource-policy", "same-origin"),
-    ("cross-origin-opener-policy", "same-origin"),
-    ("cache-control", "no-store"),
-];
-
 /// What the board has to know before anything comes.
 #[derive(Clone, Debug)]
 pub struct Settings {
@@ -56,6 +39,8 @@ pub struct Settings {
     pub port: u16,
     /// Further names by which browsers may call it.
     pub hosts: Vec<String>,
+    /// Whether browsers reach it by TLS alone.
+    pub is_secure: bool,
     /// All languages.
     pub tables: Tables,
     /// The code of the language of a page whose address names none.
@@ -77,13 +62,19 @@ pub struct Past {
     pub verdicts: Vec<Verdict>,
     /// Begin and end of each time in which nobody watched, nanoseconds since 1970 UTC.
     pub unwatched: Vec<[u64; 2]>,
+    /// What was said of which verdict, and by whom, in their order.
+    pub confirmed: Vec<(MessageId, Was, String)>,
 }
 
 /// The board.
 #[derive(Debug)]
 pub struct Board {
     pub(crate) settings: Settings,
-    guard: Guard,
+    pub(crate) guard: Guard,
+    pub(crate) access: Access,
+    /// What people ask the line to keep.
+    pub(crate) asked: Vec<Asked>,
+    pub(crate) confirmations: Confirmations,
     pub(crate) line: Line,
     /// Why the line does not watch, for the technician.
     pub(crate) cause: String,
@@ -97,12 +88,12 @@ pub struct Board {
     /// The newest health of each role.
     pub(crate) healths: Vec<Health>,
     pub(crate) clips: Clips,
-    watchers: Watchers,
-    viewers: Viewers,
+    pub(crate) watchers: Watchers,
+    pub(crate) viewers: Viewers,
     /// Changes with whatever a page may show.
-    version: u64,
+    pub(crate) version: u64,
     /// When somebody asked for the list of events.
-    asked_ns: Option<u64>,
+    pub(crate) asked_ns: Option<u64>,
     /// CLOCK_MONOTONIC.
     pub(crate) now_ns: u64,
 }
@@ -113,6 +104,10 @@ impl Board {
     pub fn new(settings: Settings) -> Self {
         Self {
             guard: Guard::new(settings.bind, settings.port, &settings.hosts),
+            // Who is at the machine itself may read. From a network that takes a login.
+            access: Access::new(settings.port, settings.is_secure, settings.bind.is_loopback()),
+            asked: Vec::new(),
+            confirmations: Confirmations::default(),
             settings,
             line: Line::default(),
             cause: String::new(),
@@ -168,6 +163,11 @@ impl Board {
         self.pieces = self.pieces.uncounted();
         self.shift.forget_alarms();
         past.unwatched.iter().for_each(|span| self.shift.add_unwatched(*span));
+        for (verdict, was, who) in &past.confirmed {
+            if self.confirmations.of(*verdict).is_none() {
+                self.confirmed(*verdict, *was, who);
+            }
+        }
         past.verdicts.iter().chain(came.iter().rev()).for_each(|verdict| self.keep(verdict));
         self.version += 1;
     }
@@ -242,57 +242,10 @@ impl Board {
         self.now_ns = now_ns;
         self.version += u64::from(page::state(self) != before);
         let mut watchers = std::mem::take(&mut self.watchers);
+        watchers.cut(|pass| !self.access.lasts(pass, now_ns));
         watchers.tell(self.version, now_ns, |address| page::view(self, address));
         self.watchers = watchers;
         self.viewers.give_up(now_ns);
-    }
-
-    /// Answers a browser.
-    pub fn answer(&mut self, request: &Request) -> Response {
-        let response = match request.path.as_str() {
-            _ if !self.guard.knows(request) => {
-                Response::text(421, "the board does not answer to this name\n")
-            }
-            _ if request.is_from_another_site => {
-                Response::text(403, "the board is not for pages of other sites\n")
-            }
-            "/board.css" => Response::ok("text/css; charset=utf-8", STYLE),
-            "/board.js" => Response::ok("text/javascript; charset=utf-8", SCRIPT),
-            "/events" => self.watch(&request.query),
-            "/picture.svg" if self.settings.picture => self.view(&request.query),
-            path => match Page::at(path) {
-                Some(page) => self.page(&Address::new(page, &request.query)),
-                None => Response::text(404, "the board is at / and at /technician\n"),
-            },
-        };
-        response.with(SAFETY)
-    }
-
-    fn page(&mut self, address: &Address) -> Response {
-        if address.page == Page::Technician {
-            self.asked_ns = Some(self.now_ns);
-        }
-        Response::ok(HTML, page::whole(self, address))
-    }
-
-    fn watch(&mut self, query: &str) -> Response {
-        let browser = Address::browser(query);
-        if !self.watchers.make_room(browser) {
-            return Response::text(503, "as many browsers watch already as can be served\n");
-        }
-        let (response, feed) = Response::feed("text/event-stream");
-        self.watchers.add(feed, Address::of_events(query), browser);
-        response
-    }
-
-    /// The picture comes as soon as there is one.
-    fn view(&mut self, query: &str) -> Response {
-        if !self.viewers.have_room() {
-            return Response::text(503, "as many browsers wait for a picture as can be served\n");
-        }
-        let (response, feed) = Response::feed("image/svg+xml");
-        self.viewers.add(feed, Address::new(Page::Technician, query), self.now_ns);
-        response
     }
 
     /// The words of a page, and their language.

@@ -6,16 +6,23 @@
 //!
 //! # Why a browser can do no harm
 //!
-//! - Nothing can be changed: only GET and HEAD are served, and there is no other effect than an answer.
-//! - A path is compared with six known ones and never becomes a file name.
+//! - Who asks for what is decided in one place, by one table ([`access`]), before anything else is looked at.
+//! - GET and HEAD change nothing. A form is taken from a page of the board alone: `Origin` says so, and a token of its session that no other site can
+//!   read. What it asks for is a command to the line, which the role sends; the board itself writes nothing.
+//! - A session is a random token in a cookie that no script reads and no other site sends. The board keeps its hash.
+//! - A path is compared with known ones and never becomes a file name.
 //! - Of a query only letters, digits, dots, dashes and underscores are read ([`address`]).
 //! - What stands on a page is either a constant of this crate or escaped: [`html::Html`] takes nothing else.
 //! - A page of another site cannot read it by a trick of its DNS ([`guard`]), cannot load or frame a part of it, and runs no script on it.
 #![forbid(unsafe_code)]
 
+mod access;
 mod address;
+mod answer;
 mod board;
 mod clips;
+mod confirm;
+mod form;
 mod guard;
 mod html;
 mod inbox;
@@ -33,8 +40,10 @@ mod viewers;
 mod watchers;
 mod words;
 
+pub use access::{Login, Logins, LoginsError, MAX_NAME, Rank, Tried, Try};
 pub use board::{Board, Past, Settings};
 pub use clips::Clips;
+pub use confirm::{Asked, Kept, Was};
 pub use inbox::{Inbox, Said};
 pub use job::{Job, Step};
 pub use line::{Line, Stop};

@@ -15,6 +15,7 @@ pub(crate) fn settings() -> Settings {
         bind: IpAddr::V4(Ipv4Addr::LOCALHOST),
         port: 9465,
         hosts: Vec::new(),
+        is_secure: false,
         tables: Tables::shipped(),
         language: "en".to_owned(),
         picture: true,

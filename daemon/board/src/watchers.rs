@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use andon_http::{Bytes, Feed};
 
+use crate::access::Pass;
 use crate::address::{Address, Page};
 
 /// Pages that are watched at once; the server has as many places again for requests.
@@ -24,6 +25,9 @@ const ALIVE: &str = "event: alive\ndata: 1\n\n";
 /// What says that other pages of the same browser are watched instead.
 const ELSEWHERE: &str = "event: elsewhere\ndata: 1\n\n";
 
+/// What lets a page load itself again: who looks at it may not see it any more.
+pub(crate) const AGAIN: &str = "event: again\ndata: 1\n\n";
+
 /// How soon a browser connects again by itself, in milliseconds.
 const RETRY: &str = "retry: 500\n\n";
 
@@ -36,6 +40,8 @@ struct Watcher {
     feed: Feed,
     address: Address,
     browser: String,
+    /// What has let it in; none is needed where everybody may read.
+    pass: Option<Pass>,
     /// What its page shows, as the message that says so.
     shown: Bytes,
     /// The state of the board of which that is.
@@ -62,10 +68,19 @@ impl Watchers {
         self.0.iter().any(|watcher| watcher.address.page == page)
     }
 
-    pub(crate) fn add(&mut self, feed: Feed, address: Address, browser: &str) {
+    /// Ends the feeds of those whose pass has ended.
+    pub(crate) fn cut(&mut self, is_over: impl Fn(Pass) -> bool) {
+        self.0.retain(|watcher| {
+            let is_over = watcher.pass.is_some_and(&is_over);
+            // It may have gone.
+            is_over.then(|| watcher.feed.send(AGAIN)).is_none()
+        });
+    }
+
+    pub(crate) fn add(&mut self, feed: Feed, address: Address, browser: &str, pass: Option<Pass>) {
         if feed.send(RETRY) {
             let (browser, shown, version) = (browser.to_owned(), Bytes::new(), None);
-            self.0.push(Watcher { feed, address, browser, shown, version, told_ns: 0, drawn_ns: 0 });
+            self.0.push(Watcher { feed, address, browser, pass, shown, version, told_ns: 0, drawn_ns: 0 });
         }
     }
 
@@ -117,7 +132,7 @@ mod tests {
         let _responses: Vec<_> = [&worker, &technician, &worker, &worker]
             .map(|address| {
                 let (response, feed) = Response::feed("text/event-stream");
-                watchers.add(feed, address.clone(), "");
+                watchers.add(feed, address.clone(), "", None);
                 response
             })
             .into();
@@ -139,7 +154,7 @@ mod tests {
         let mut come = |watchers: &mut Watchers, browser: &str| {
             let has_room = watchers.make_room(browser);
             let (response, feed) = Response::feed("text/event-stream");
-            watchers.add(feed, Address::default(), browser);
+            watchers.add(feed, Address::default(), browser, None);
             responses.push(response);
             has_room
         };

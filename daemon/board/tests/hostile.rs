@@ -32,6 +32,7 @@ fn settings(port: u16) -> Settings {
         bind: Ipv4Addr::LOCALHOST.into(),
         port,
         hosts: Vec::new(),
+        is_secure: false,
         tables: Tables::shipped(),
         language: "en".to_owned(),
         picture: true,
@@ -307,7 +308,7 @@ fn every_answer_forbids_whatever_the_pages_do_not_need() {
                 "content-security-policy: default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; ",
                 "frame-ancestors 'none'",
                 "x-content-type-options: nosniff\r\n",
-                "referrer-policy: no-referrer\r\n",
+                "referrer-policy: same-origin\r\n",
                 "cross-origin-resource-policy: same-origin\r\n",
                 "cache-control: no-store\r\n",
             ] {

@@ -127,10 +127,10 @@ impl Channel {
             Self::Judging => {
                 Qos { buffer: 4, history: 1, borrowed: 2, readers: 16, writers: 1, loans: 2, burst: 1 }
             }
-            // Each writer keeps what was done while the journal was away. A person does less than that in such a time. 4 readers: journal, record,
-            // and those that are dead and not yet removed.
+            // Each writer keeps what was done while the journal was away. A person does less than that in such a time. 6 readers: journal, record,
+            // board, and those that are dead and not yet removed.
             Self::Audit => {
-                Qos { buffer: 64, history: 32, borrowed: 2, readers: 4, writers: 8, loans: 2, burst: 31 }
+                Qos { buffer: 64, history: 32, borrowed: 2, readers: 6, writers: 8, loans: 2, burst: 31 }
             }
             // No history: a judge that starts must not obey a command from before its start. 4 readers: judge, record, and those that are dead and
             // not yet removed. So a judge that starts again waits for nobody.

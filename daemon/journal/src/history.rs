@@ -3,8 +3,8 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use rusqlite::{Connection, OpenFlags, Row, ffi, params};
-use shm_schemas::{PartId, Verdict};
+use rusqlite::{Connection, OpenFlags, OptionalExtension as _, Row, ffi, params};
+use shm_schemas::{MessageId, PartId, Verdict};
 
 use super::audit::AuditEntry;
 use super::csv;
@@ -161,6 +161,17 @@ impl History {
         let found = after(&self.connection, before, 1);
         let found = found.map_err(|source| JournalError::of(&self.path, 0, source))?;
         Ok(found.into_iter().find(|written| written.row == row).map(|written| written.verdict))
+    }
+
+    /// The number of the row of a verdict; `None` where the journal does not have it, or not any more.
+    ///
+    /// # Errors
+    /// [`JournalError`] of the database.
+    pub fn row(&self, verdict: MessageId) -> Result<Option<u64>, JournalError> {
+        let query = "SELECT id FROM verdict WHERE epoch = ?1 AND seq = ?2";
+        let key = params![signed(verdict.epoch), signed(verdict.seq)];
+        let found = self.connection.query_row(query, key, |row| row.get(0).map(unsigned)).optional();
+        found.map_err(|source| JournalError::of(&self.path, 0, source))
     }
 
     /// As [`History::visit`], with the number of the row of a verdict; anything else has that of the verdict that follows it.

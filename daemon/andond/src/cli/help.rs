@@ -195,6 +195,18 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         ],
     ),
     (
+        "board",
+        &[
+            ("a certificate for the names in the configuration", "andond board certificate"),
+            (
+                "somebody who may say whether a verdict was right",
+                "andond board login maria --role technician",
+            ),
+            ("a screen at the bench", "andond board kiosk bench1"),
+            ("somebody has left", "andond board remove maria"),
+        ],
+    ),
+    (
         "analyze",
         &[
             (

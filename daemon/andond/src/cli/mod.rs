@@ -2,6 +2,7 @@
 //! [`crate::role`].
 
 mod bench;
+pub mod board;
 mod help;
 mod jobs;
 pub mod metres;
@@ -90,6 +91,8 @@ pub enum Command {
     Idle(Idle),
     /// Set the part id of the next part: it goes with every verdict of the job that begins next
     Part(Part),
+    /// Make the board safe on a network: its certificate, its logins, its kiosks
+    Board(board::Board),
     /// Compare and cluster the IUs of a folder of recordings; write a report
     Analyze(Analyze),
     /// Repeat an experiment of the paper on a folder of recordings

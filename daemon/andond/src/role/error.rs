@@ -91,6 +91,9 @@ pub enum RoleError {
         /// What the system said.
         source: io::Error,
     },
+    /// The board may not be reached where it would be.
+    #[error(transparent)]
+    UnsafeBoard(#[from] crate::boards::UnsafeBoard),
     /// The board has no words to show.
     #[error(transparent)]
     Words(#[from] andon_board::TableError),
@@ -169,6 +172,7 @@ impl Failure for RoleError {
             Self::Plc(_) => (&code::PLC_PORT_TAKEN, OfCode, Fault),
             Self::Metrics { .. } => (&code::METRICS_PORT_TAKEN, OfCode, Fault),
             Self::Board { .. } => (&code::BOARD_PORT_TAKEN, OfCode, Fault),
+            Self::UnsafeBoard(_) => (&code::BOARD_UNSAFE, InMessage, Configuration),
             Self::Words(_) => (&code::BOARD_WORDS_REFUSED, OfCode, Configuration),
             Self::Record(error) => return error.ending(),
             Self::Method(_) => (&code::CONFIGURATION_REFUSED, OfCode, Configuration),

@@ -20,7 +20,7 @@ use crate::cli::Check;
 use crate::metric::Placer;
 use crate::role;
 use crate::video::helper_path;
-use crate::{compatibility, perception};
+use crate::{boards, compatibility, perception};
 
 /// What a database of SQLite begins with.
 const SQLITE: &[u8] = b"SQLite format 3\0";
@@ -82,6 +82,7 @@ pub fn run(arguments: &Check) -> Result<Code, ToolError> {
     checks.jobs();
     checks.perception();
     checks.journal();
+    checks.board();
     checks.faults.file.extend(neighbours::faults(&config));
     if config.ipc_station().is_ok_and(|station| station.is_in_use()) {
         println!("the line runs: its camera and its port are in use, and were not opened");
@@ -176,6 +177,15 @@ impl Checks<'_> {
         };
         if let Some(problem) = problem {
             self.fault("journal.path", format!("{} {problem}", path.display()));
+        }
+    }
+
+    /// What makes the board safe where other machines reach it.
+    fn board(&mut self) {
+        if self.config.board.enable
+            && let Err(error) = boards::check(self.config)
+        {
+            self.faults.file.push(error.to_string());
         }
     }
 

@@ -203,6 +203,35 @@ pub enum ToolError {
     /// A track file was to be looked at.
     #[error("{}: a track file has no pictures; give a film, a folder of pictures or a picture", .0.display())]
     NothingToShow(PathBuf),
+    /// There is no file for a certificate.
+    #[error(
+        "the configuration names no files for it: set board.certificate and board.key, as \"/var/lib/andon/bench1.certificate.pem\" and \
+             \"/var/lib/andon/bench1.key.pem\""
+    )]
+    NoCertificateNamed,
+    /// A certificate cannot have a name.
+    #[error("the certificate cannot be made: {reason}; correct board.hosts")]
+    CertificateName {
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// What makes a board safe cannot be used.
+    #[error(transparent)]
+    UnsafeBoard(#[from] crate::boards::UnsafeBoard),
+    /// A login cannot be made.
+    #[error(transparent)]
+    Login(#[from] andon_board::LoginsError),
+    /// There is no such login.
+    #[error("{name}: there is no login and no kiosk of this name in {}; `andond board logins` lists them", path.display())]
+    NoLogin {
+        /// The name.
+        name: String,
+        /// The file of logins.
+        path: PathBuf,
+    },
+    /// A password cannot be read.
+    #[error("the password cannot be read: {0}; type it twice, or give it on the standard input")]
+    Password(io::Error),
     /// The journal does not keep what a person has done.
     #[error("the journal has not taken it within 5 s: see `andond status`")]
     Unkept,
@@ -347,6 +376,8 @@ impl ToolError {
             | Self::Method(_)
             | Self::Judge(_)
             | Self::Recording(RecordingError::Perception(_) | RecordingError::Setup(_))
+            | Self::NoCertificateNamed
+            | Self::UnsafeBoard(_)
             | Self::Station(_) => Code::Configuration,
             Self::Ipc(_)
             | Self::Journal(_)
@@ -397,6 +428,10 @@ impl ToolError {
             | Self::Annotate(_)
             | Self::Sheets(_)
             | Self::NothingToShow(_)
+            | Self::CertificateName { .. }
+            | Self::Login(_)
+            | Self::NoLogin { .. }
+            | Self::Password(_)
             | Self::Page { .. }
             | Self::Unhidden(_)
             | Self::Marker { .. }

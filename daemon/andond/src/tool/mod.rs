@@ -3,6 +3,7 @@
 pub mod analyze;
 mod audit;
 pub mod backup;
+pub mod board;
 pub mod calibrate;
 pub mod check;
 pub mod clip;

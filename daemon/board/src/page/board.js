@@ -57,6 +57,8 @@ function connect() {
         rest();
         elsewhere.hidden = false;
     });
+    // Who looks may not see this any more: the board says so to a page that is loaded.
+    stream.addEventListener("again", () => location.reload());
     return stream;
 }
 
@@ -78,14 +80,24 @@ function show(drawn) {
 }
 
 /**
+ * What finds a link or a button again after it was drawn anew.
+ * @param {Element | null} element
+ */
+function selector(element) {
+    const names = ["href", "name", "value"].filter((name) => element?.hasAttribute(name));
+    const values = names.map((name) => `[${name}="${CSS.escape(element?.getAttribute(name) ?? "")}"]`);
+    return values.length > 0 ? `${element?.localName}${values.join("")}` : "";
+}
+
+/**
  * @param {HTMLElement} shown
  * @param {Element} fresh
  */
 function replace(shown, fresh) {
-    const focus = shown.contains(document.activeElement) ? document.activeElement?.getAttribute("href") : null;
+    const focus = shown.contains(document.activeElement) ? selector(document.activeElement) : "";
     shown.replaceWith(document.importNode(fresh, true));
     if (focus) {
-        /** @type {HTMLElement | null} */ (document.querySelector(`a[href="${CSS.escape(focus)}"]`))?.focus();
+        /** @type {HTMLElement | null} */ (document.querySelector(focus))?.focus();
     }
 }
 

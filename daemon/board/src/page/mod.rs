@@ -1,6 +1,8 @@
 //! The pages. Each is drawn whole on the server; a browser with scripts replaces what is new in it.
 
+mod confirmed;
 mod picture;
+mod plain;
 mod plot;
 mod shape;
 mod shift;
@@ -8,12 +10,14 @@ mod state;
 mod technician;
 mod worker;
 
+use crate::access::{Session, Visitor};
 use crate::address::{Address, Page};
 use crate::board::Board;
 use crate::html::Html;
 use crate::words::Table;
 
 pub(crate) use picture::drawn;
+pub(crate) use plain::{kiosk, login, notice};
 pub(crate) use state::state;
 
 /// What changes on a page: elements with ids.
@@ -28,7 +32,7 @@ pub(crate) fn view(board: &Board, address: &Address) -> String {
 }
 
 /// A page as a browser gets it.
-pub(crate) fn whole(board: &Board, address: &Address) -> String {
+pub(crate) fn whole(board: &Board, address: &Address, visitor: &Visitor) -> String {
     let (lang, words) = board.words(address);
     let mut html = Html::default();
     html.raw("<!DOCTYPE html><html lang=\"").text(lang).raw("\"><head><meta charset=\"utf-8\">");
@@ -43,9 +47,9 @@ pub(crate) fn whole(board: &Board, address: &Address) -> String {
     lost(&mut html, words);
     match address.page {
         Page::Worker => worker::draw(&mut html, board, words),
-        Page::Technician => technician::draw_whole(&mut html, board, words, address),
+        Page::Technician => technician::draw_whole(&mut html, board, words, address, visitor),
     }
-    links(&mut html, board, (lang, words), address);
+    links(&mut html, board, (lang, words), address, visitor);
     html.raw("</body></html>\n");
     html.finish()
 }
@@ -65,8 +69,8 @@ fn lost(html: &mut Html, words: &Table) {
     }
 }
 
-/// The way to the other page and to the other languages.
-fn links(html: &mut Html, board: &Board, (own, words): (&str, &Table), address: &Address) {
+/// The way to the other page and to the other languages, and in or out.
+fn links(html: &mut Html, board: &Board, (own, words): (&str, &Table), address: &Address, visitor: &Visitor) {
     html.raw("<footer><nav aria-label=\"").text(words.say("label.pages")).raw("\">");
     for (page, key) in [(Page::Worker, "label.worker"), (Page::Technician, "label.technician")] {
         link(html, &Address { page, ..address.clone() }, words.say(key), page == address.page);
@@ -75,7 +79,28 @@ fn links(html: &mut Html, board: &Board, (own, words): (&str, &Table), address: 
     for (code, name) in board.settings.tables.languages() {
         link(html, &Address { lang: code.to_owned(), ..address.clone() }, name, code == own);
     }
-    html.raw("</nav></footer>");
+    html.raw("</nav>");
+    door(html, words, address, visitor);
+    html.raw("</footer>");
+}
+
+/// The way in, or the name of who is in and the way out.
+fn door(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor) {
+    let Some(session) = &visitor.session else {
+        html.raw("<nav><a href=\"").text(&address.login()).raw("\">");
+        html.text(words.say("login.enter")).raw("</a></nav>");
+        return;
+    };
+    html.raw("<form class=\"out\" method=\"post\" action=\"/logout\">");
+    token(html, session);
+    plain::place(html, address);
+    html.element("<span>", &session.login.name, "</span>");
+    html.element("<button>", words.say("login.leave"), "</button></form>");
+}
+
+/// What says to the board that a form comes from a page of it.
+fn token(html: &mut Html, session: &Session) {
+    html.raw("<input type=\"hidden\" name=\"csrf\" value=\"").text(session.csrf.text()).raw("\">");
 }
 
 fn link(html: &mut Html, to: &Address, name: &str, is_here: bool) {

@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use shm_schemas::{Health, RoleId, RoleState, Verdict, VerdictLevel};
 
 use super::state::{State, state};
-use super::{plot, shift};
+use super::{confirmed, plot, shift};
+use crate::access::Visitor;
 use crate::address::Address;
 use crate::board::Board;
 use crate::html::Html;
@@ -13,8 +14,8 @@ use crate::told::{Teller, fault_key, measures, number, outcome_key};
 use crate::words::Table;
 
 /// What is told of each event.
-const COLUMNS: [&str; 9] =
-    ["time", "outcome", "level", "step_column", "fault", "measured", "shown", "part_id", "clip"];
+const COLUMNS: [&str; 10] =
+    ["time", "outcome", "level", "step_column", "fault", "measured", "shown", "part_id", "clip", "confirmed"];
 
 /// Events on one page.
 const SHOWN: usize = 100;
@@ -32,7 +33,13 @@ pub(super) fn draw(html: &mut Html, board: &Board, words: &Table, address: &Addr
 
 /// The whole page. The choice of a fault stands apart from the list, so that nobody loses it while the list changes. The picture is asked for by the
 /// browser, one after the other.
-pub(super) fn draw_whole(html: &mut Html, board: &Board, words: &Table, address: &Address) {
+pub(super) fn draw_whole(
+    html: &mut Html,
+    board: &Board,
+    words: &Table,
+    address: &Address,
+    visitor: &Visitor,
+) {
     html.raw("<main>");
     line(html, board, words);
     html.raw("<div class=\"beside\">");
@@ -43,6 +50,7 @@ pub(super) fn draw_whole(html: &mut Html, board: &Board, words: &Table, address:
     html.raw("</div>");
     roles(html, board, words);
     filter(html, board, words, address);
+    confirmed::form(html, address, visitor);
     events(html, board, words, address);
     html.raw("</main>");
 }
@@ -172,7 +180,7 @@ fn filter(html: &mut Html, board: &Board, words: &Table, address: &Address) {
     html.element("<button>", words.say("label.show"), "</button></form>");
 }
 
-fn name_of(verdict: &Verdict) -> String {
+pub(super) fn name_of(verdict: &Verdict) -> String {
     format!("{}-{}", verdict.stamp.epoch, verdict.stamp.seq)
 }
 
@@ -241,7 +249,9 @@ fn event(html: &mut Html, board: &Board, words: &Table, address: &Address, verdi
         plot::measure(html, values);
     }
     html.element("</td><td>", verdict.part.text(), "</td>");
-    html.element("<td>", board.clips.of(verdict.stamp.id()).unwrap_or("\u{2013}"), "</td></tr>");
+    html.element("<td>", board.clips.of(verdict.stamp.id()).unwrap_or("\u{2013}"), "</td>");
+    confirmed::draw(html, board, words, address, verdict);
+    html.raw("</tr>");
 }
 
 /// The outcome as a sign, beside its word and its colour.

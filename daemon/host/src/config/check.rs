@@ -8,7 +8,7 @@ use andon_core::capacity::OBJECTS;
 use andon_core::config::Contact;
 use andon_core::input::Space;
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The station's directory must be shorter than this, in characters. iceoryx2 appends the names of its services to it, and the path of a Unix socket
 /// has at most 108 (unix(7)).
@@ -283,12 +283,19 @@ impl Checks<'_> {
     }
 
     fn board(&mut self, config: &Config) {
-        if config.board.enable && !config.board.bind.is_loopback() {
-            let problem =
-                "must be a loopback address, as 127.0.0.1: the board has no TLS and no password yet, \
-                           so other machines must not reach it"
-                    .into();
-            self.fault("board.bind", &["board.enable"], problem);
+        let board = &config.board;
+        let named = |path: &Option<PathBuf>| path.is_some();
+        if named(&board.certificate) != named(&board.key) {
+            let [there, missing] = match named(&board.certificate) {
+                true => ["board.certificate", "board.key"],
+                false => ["board.key", "board.certificate"],
+            };
+            self.fault(there, &[missing], format!("needs {missing} beside it"));
+        } else if board.enable && !board.bind.is_loopback() && !named(&board.certificate) {
+            let problem = "other machines reach it, so it needs TLS: name files in board.certificate and board.key, and let \
+                           `andond board certificate` make them; or must be a loopback address, as 127.0.0.1"
+                .into();
+            self.fault("board.bind", &["board.enable", "board.certificate", "board.key"], problem);
         }
         if config.board.enable
             && let Some(words) = &config.board.words

@@ -193,6 +193,13 @@ impl Config {
         self.record.path.clone().unwrap_or_else(default)
     }
 
+    /// The file of the board's logins.
+    #[must_use]
+    pub fn logins_path(&self) -> PathBuf {
+        let default = || Path::new(STATE).join(format!("{}.logins.toml", self.station.name));
+        self.board.logins.clone().unwrap_or_else(default)
+    }
+
     /// The roles that this station needs: the steward, then the others in the order of the data path.
     #[must_use]
     pub fn roles(&self) -> Vec<RoleId> {

@@ -206,6 +206,13 @@ table! {
         "Another program has it, perhaps another station: choose another board.port; or board.bind is not an address of this machine";
     ERROR 623 BOARD_WORDS_REFUSED: "the board has no words: a table of board.words has a fault, or there is none for board.language",
         "Correct what is named, or remove board.words";
+    ERROR 624 BOARD_UNSAFE: "the board may not be reached from a network: its certificate, its key or its logins cannot be used",
+        "Make what is missing with `andond board certificate` or `andond board login`, as the user of the station's units; or set board.bind to 127.0.0.1";
+    INFO 625 BOARD_LOGIN: "somebody has logged in to the board", "";
+    WARN 626 BOARD_LOGIN_REFUSED: "a login to the board was refused: the name or the password is wrong",
+        "If nobody has mistyped, look for who does this at the address that is named; `andond board remove` removes a login";
+    WARN 627 BOARD_LOGINS_UNREADABLE: "the file of logins cannot be read, so nobody can log in to the board",
+        "Correct what is named: the user of the station's units must be able to read it";
 
     WARN 701 CLOCK_STEPPED: "the machine's clock was stepped: verdicts keep their order, and their UTC times jump",
         "Let one time service set the clock, slowly";

@@ -1,12 +1,15 @@
 //! `board`: what the line does, on pages for the worker and for the technician.
 //!
-//! It only reads, and nothing waits for it: the line goes on without it as before. What the pages show is made by the crate `andon-board`. This role
-//! feeds it with the channels, the journal, the names in the job in force, and the clock.
+//! Nothing waits for it: the line goes on without it as before. What the pages show is made by the crate `andon-board`. This role feeds it with the
+//! channels, the journal, the names in the job in force, and the clock. It writes no file: what somebody who has logged in asks for goes over a channel
+//! to the role that may do it.
 //!
 //! As in `metrics`, the server reads and writes in a thread of its own, and the loop answers. A disk may be slow, so the journal is read and clips are
-//! looked for in threads as well.
+//! looked for in threads as well, and passwords are compared in one.
 
 mod camera;
+mod confirm;
+mod door;
 mod past;
 
 use std::net::SocketAddr;
@@ -18,18 +21,22 @@ use andon_board::{Board, Clips, Inbox, Job, Line, Said, Settings, Step, Stop, Ta
 use andon_host::config::{Config, RecordMode};
 use andon_host::log::{code, log};
 use andon_host::role::{Cycle, Role, Turn};
-use andon_http::Server;
+use andon_http::{Offer, Server};
 use andon_ipc::{MonotonicTime, Node, Port, Reader, Wake};
 use andon_learn::job_file::JobFile;
 use andon_plc::handshake::{Fault, Line as PlcLine};
 use andon_record::store;
 use camera::Camera;
+use confirm::Confirmer;
+use door::Door;
 use jiff::{Timestamp, Zoned};
 use past::PastReader;
 use shm_schemas::{Health, Judging, Verdict};
 
+use super::audit::Auditor;
 use super::line::LineHealth;
 use super::{RoleError, disabled, jobs};
+use crate::boards;
 use crate::clock::Clock;
 
 /// The longest wait: a browser waits no longer than this to be answered. A verdict ends the wait.
@@ -66,6 +73,8 @@ struct Pages<'c> {
     inbox: Inbox,
     past: PastReader,
     camera: Camera<'c>,
+    door: Door,
+    confirmer: Confirmer,
     line: LineHealth,
     /// Since when the line starts.
     starting: Option<Instant>,
@@ -83,7 +92,7 @@ impl Role for Pages<'_> {
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {
         let own: [&mut dyn Port; 3] = [&mut self.verdicts, &mut self.judging, &mut self.health];
-        own.into_iter().chain(self.camera.ports()).collect()
+        own.into_iter().chain(self.camera.ports()).chain(self.confirmer.ports()).collect()
     }
 
     fn patience(&self) -> Duration {
@@ -101,6 +110,8 @@ impl Role for Pages<'_> {
         if let Some(picture) = self.camera.look(cycle.node(), self.board.wants_picture())? {
             self.board.picture(&picture);
         }
+        self.door.turn(&mut self.board);
+        self.confirmer.turn(cycle, &mut self.board)?;
         self.board.publish(now.nanoseconds());
         let board = &mut self.board;
         self.server.serve(|request| board.answer(request));
@@ -114,7 +125,11 @@ impl<'c> Pages<'c> {
         let began = Instant::now();
         let settings = settings(config)?;
         let address = SocketAddr::new(config.board.bind, config.board.port);
-        let server = Server::bind(address).map_err(|source| RoleError::Board { address, source })?;
+        let offer = Offer { tls: boards::check(config)?, takes_forms: true };
+        let scheme = if offer.tls.is_some() { "https" } else { "http" };
+        let failed = |source| RoleError::Board { address, source };
+        let server = Server::bind_with(address, offer).map_err(failed)?;
+        let door = Door::open(config.logins_path()).map_err(failed)?;
         let node = cycle.node();
         let role = Self {
             config,
@@ -126,6 +141,8 @@ impl<'c> Pages<'c> {
             inbox: Inbox::default(),
             past: PastReader::new(config.journal_path()),
             camera: Camera::new(config),
+            door,
+            confirmer: Confirmer::new(config.journal_path(), Auditor::open(node)?, node.reader()?),
             line: LineHealth::new(config),
             starting: None,
             job: None,
@@ -133,7 +150,7 @@ impl<'c> Pages<'c> {
             looked_for_clips: None,
             search: None,
         };
-        log!(code::BOARD_LISTENING, { address = %address }, "the board at http://{address}/");
+        log!(code::BOARD_LISTENING, { address = %address }, "the board at {scheme}://{address}/");
         cycle.stepped(began);
         Ok(role)
     }
@@ -244,6 +261,7 @@ fn settings(config: &Config) -> Result<Settings, RoleError> {
         bind: config.board.bind,
         port: config.board.port,
         hosts: config.board.hosts.clone(),
+        is_secure: config.board.certificate.is_some(),
         tables,
         language: config.board.language.clone(),
         picture: config.board.picture,

@@ -11,7 +11,9 @@ use andon_journal::{Entry, History, JournalError, NotWatching, Query};
 use jiff::Timestamp;
 
 use super::super::error::report_journal;
+use super::confirm::board_was;
 use super::{is_due, midnight_utc_ns, nanoseconds};
+use crate::confirmed;
 
 /// What the technician finds of the time before the board began, at least.
 const BEFORE: Duration = Duration::from_secs(24 * 3600);
@@ -65,7 +67,8 @@ fn read(path: &Path) -> Read {
     let mut past = Past::default();
     // Since when nobody watched, where nobody saw the end of it.
     let mut open = None;
-    History::open_read_only(path)?.visit(&query, |entry| {
+    let history = History::open_read_only(path)?;
+    history.visit(&query, |entry| {
         if let Some(began_utc_ns) = open.take() {
             past.unwatched.push([began_utc_ns, began(&entry)]);
         }
@@ -80,6 +83,8 @@ fn read(path: &Path) -> Read {
         }
         Ok(())
     })?;
+    let said = confirmed::since(&history, Some(since_utc_ns))?.into_values();
+    past.confirmed.extend(said.map(|(said, who)| (said.id, board_was(said.was), who)));
     // It lasts.
     past.unwatched.extend(open.map(|began_utc_ns| [began_utc_ns, nanoseconds(Timestamp::now())]));
     Ok(past)

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use andon_host::atomic::{self, folder_of};
 use andon_host::config::Config;
+use andon_journal::History;
 use andon_learn::digest::sha256_hex;
 use andon_learn::job_file::JobFile;
 use andon_record::store;
@@ -12,10 +13,11 @@ use shm_schemas::{MessageId, flag};
 
 use crate::blackbox::{Frames, Piece, piece_of, station_of};
 use crate::cli::Was;
+use crate::confirmed;
 use crate::recorder::{Recorder, header};
 use crate::tool::clip::recordings;
 use crate::tool::runs::file_name;
-use crate::tool::{ToolError, cannot_write, confirm};
+use crate::tool::{ToolError, cannot_write};
 use crate::wire;
 
 /// What people have said of runs.
@@ -36,14 +38,15 @@ pub(super) fn of(config: &Config, out: &Path, before: Option<&JobFile>) -> Resul
     let by_verdict = store::by_verdict(&recordings);
     let sources = before.map(|job| job.provenance.sources.as_slice()).unwrap_or_default();
     let is_source = |name: &str| sources.iter().any(|source| source.name == name);
-    let all = confirm::confirmed(config)?;
+    let said = confirmed::since(&History::open(&config.journal_path())?, None)?;
+    let all: Vec<confirmed::Confirmed> = said.into_values().map(|(confirmed, _who)| confirmed).collect();
     let recording = |id: MessageId| by_verdict.get(&id).map(|recording| recording.path.as_path());
     let piece = |id: MessageId| recording(id).and_then(|path| piece_of(path, id).ok());
     let is_wrong = |was: Was| was == Was::Wrong;
     let wrong: Vec<Piece> =
-        all.values().filter(|said| is_wrong(said.was)).filter_map(|said| piece(said.id)).collect();
+        all.iter().filter(|said| is_wrong(said.was)).filter_map(|said| piece(said.id)).collect();
     let mut found = Confirmed::default();
-    for said in all.values() {
+    for said in &all {
         let name = name_of(said.id);
         let run = folder_of(out).join(&name);
         // Who calls one result of a piece wrong means the piece: it teaches nothing, whatever was said of its other results.

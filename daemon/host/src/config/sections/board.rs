@@ -17,6 +17,12 @@ pub struct Board {
     pub port: u16,
     /// Names by which browsers may call it, beside its address.
     pub hosts: Vec<String>,
+    /// The certificate of TLS, in PEM form.
+    pub certificate: Option<PathBuf>,
+    /// Its key, in PEM form.
+    pub key: Option<PathBuf>,
+    /// The file of logins.
+    pub logins: Option<PathBuf>,
     /// The language of a page whose address names none.
     pub language: String,
     /// Whether the camera's picture is shown.
@@ -33,6 +39,9 @@ impl Default for Board {
             // Beside that of the metrics.
             port: 9465,
             hosts: Vec::new(),
+            certificate: None,
+            key: None,
+            logins: None,
             language: "en".to_owned(),
             picture: true,
             words: None,
@@ -46,15 +55,15 @@ impl Board {
             "enable",
             &mut self.enable,
             (),
-            "Whether the pages are served: the worker's at http://BIND:PORT/ and the technician's at /technician. They only \
-             show.",
+            "Whether the pages are served: the worker's at http://BIND:PORT/ and the technician's at /technician. Who logs in \
+             there may do what the login is for.",
         );
         k.key(
             "bind",
             &mut self.bind,
             (),
-            "The address that is listened on. Only a loopback address is taken: the board has no TLS and no password yet, so \
-             other machines must not reach it.",
+            "The address that is listened on. On a loopback address whoever is at this machine may read without a login. Any other \
+             address needs board.certificate, board.key and a login, and then nothing is read without one.",
         );
         k.key(
             "port",
@@ -68,6 +77,29 @@ impl Board {
             several(0, 16, Text::Host),
             "Names under which browsers find this machine, without the port. Any other name is refused, so that no page of \
              another site can read these. An IP address that is bound, and localhost, need not be named.",
+        );
+        k.optional(
+            "certificate",
+            &mut self.certificate,
+            (),
+            r#""/var/lib/andon/bench1.certificate.pem""#,
+            "The certificate of TLS, in PEM form, with those that vouch for it behind it. `andond board certificate` makes one \
+             that browsers ask about once. With it the addresses begin with https://.",
+        );
+        k.optional(
+            "key",
+            &mut self.key,
+            (),
+            r#""/var/lib/andon/bench1.key.pem""#,
+            "The key of board.certificate, in PEM form. Only the user of the station's units may read it.",
+        );
+        k.optional(
+            "logins",
+            &mut self.logins,
+            (),
+            r#""/var/lib/andon/bench1.logins.toml""#,
+            "The file of logins, which `andond board login` makes. Without this key it lies beside the database that \
+             journal.path has by default, and has the station's name.",
         );
         k.key(
             "language",

@@ -1,0 +1,74 @@
+//! Pages that show nothing of the station: the way in, and what a person must know.
+
+use crate::address::Address;
+use crate::board::Board;
+use crate::html::Html;
+use crate::words::Table;
+
+/// Asks for a name and a password. `why` is the key of what is to be said first, and the value in it.
+pub(crate) fn login(board: &Board, address: &Address, why: Option<(&str, String)>) -> String {
+    plain(board, address, "", |html, words| {
+        html.element("<h1>", words.say("login.title"), "</h1>");
+        if let Some((key, value)) = why {
+            html.element(
+                "<p class=\"now check\" role=\"alert\">",
+                &words.fill(key, &[("n", &value)]),
+                "</p>",
+            );
+        }
+        html.raw("<form class=\"login\" method=\"post\" action=\"/login\"><label for=\"name\">");
+        html.text(words.say("login.name"));
+        html.raw("</label><input id=\"name\" name=\"name\" autocomplete=\"username\" autocapitalize=\"none\" required autofocus maxlength=\"32\">");
+        html.element("<label for=\"password\">", words.say("login.password"), "</label>");
+        html.raw("<input id=\"password\" name=\"password\" type=\"password\" autocomplete=\"current-password\" required maxlength=\"256\">");
+        place(html, address);
+        html.element("<button>", words.say("login.enter"), "</button></form></main>");
+        html.raw("<footer><nav aria-label=\"").text(words.say("label.languages")).raw("\">");
+        for (code, name) in board.settings.tables.languages() {
+            let to = Address { lang: code.to_owned(), ..address.clone() }.login();
+            html.raw("<a href=\"").text(&to).raw("\">").text(name).raw("</a>");
+        }
+        html.raw("</nav></footer>");
+    })
+}
+
+/// Says one thing, and leads back.
+pub(crate) fn notice(board: &Board, address: &Address, key: &str) -> String {
+    plain(board, address, "", |html, words| {
+        html.element("<p class=\"now check\" role=\"alert\">", words.say(key), "</p>");
+        html.raw("<p class=\"turns\"><a href=\"").text(&address.link()).raw("\">");
+        html.text(words.say("confirm.back")).raw("</a></p></main>");
+    })
+}
+
+/// Leads a screen to the worker's page.
+pub(crate) fn kiosk(board: &Board) -> String {
+    let lead = "<meta http-equiv=\"refresh\" content=\"0; url=/\">";
+    plain(board, &Address::default(), lead, |html, words| {
+        html.raw("<p class=\"turns\"><a href=\"/\">").text(words.say("label.worker")).raw("</a></p></main>");
+    })
+}
+
+/// What a form has to come back to.
+pub(super) fn place(html: &mut Html, address: &Address) {
+    for (name, value) in address.pairs() {
+        html.raw("<input type=\"hidden\" name=\"").text(name).raw("\" value=\"").text(value).raw("\">");
+    }
+}
+
+fn plain(
+    board: &Board,
+    address: &Address,
+    head: &'static str,
+    draw: impl FnOnce(&mut Html, &Table),
+) -> String {
+    let (lang, words) = board.words(address);
+    let mut html = Html::default();
+    html.raw("<!DOCTYPE html><html lang=\"").text(lang).raw("\"><head><meta charset=\"utf-8\">");
+    html.raw("<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>");
+    html.text(words.say("label.board")).raw("</title><link rel=\"stylesheet\" href=\"/board.css\">");
+    html.raw(head).raw("</head><body class=\"technician plain\"><main>");
+    draw(&mut html, words);
+    html.raw("</body></html>\n");
+    html.finish()
+}
