@@ -207,7 +207,7 @@ impl Board {
             (Some(_), None) => self.login_page(&address, Some(("login.busy", String::new())), 503),
             (None, _) => self.login_page(&address, Some(("login.wrong", String::new())), 401),
         };
-        pending.later.answer(response);
+        pending.later.send(response);
         Some(tried)
     }
 
@@ -245,7 +245,7 @@ impl Board {
                 Response::ok(HTML, page::notice(self, &address, "confirm.unkept")).with_status(503)
             }
         };
-        later.answer(response);
+        later.send(response);
     }
 }
 

@@ -5,6 +5,7 @@ use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::task::{Context, Poll};
+use std::time::{Duration, Instant};
 
 use hyper::body::{Body, Bytes, Frame, SizeHint};
 use tokio::sync::{mpsc, oneshot};
@@ -17,28 +18,19 @@ const WAITING: usize = 64;
 /// Bytes that wait for a client, unless one message alone is larger. A hundred deaf clients must not cost the machine its memory.
 const WAITING_BYTES: usize = 1 << 20;
 
+/// How often a sender looks whether its client has read.
+const LOOK: Duration = Duration::from_millis(2);
+
 /// The body of a [`super::Response`], before its client is there.
 #[derive(Debug)]
 pub(super) enum Sent {
     Whole(Vec<u8>),
-    Feed { messages: Messages, ending: Ending },
+    Feed {
+        messages: Messages,
+        ending: Ending,
+    },
+    /// The whole answer comes later.
     Later(oneshot::Receiver<Response>),
-}
-
-/// The place of an answer that is given later. Where it is dropped, the client is told that there is none.
-#[derive(Debug)]
-pub struct Later(oneshot::Sender<Response>);
-
-impl Later {
-    pub(super) fn new() -> (Self, Sent) {
-        let (send, later) = oneshot::channel();
-        (Self(send), Sent::Later(later))
-    }
-
-    /// Answers. A client that has left needs none.
-    pub fn answer(self, response: Response) {
-        let _ = self.0.send(response);
-    }
 }
 
 /// The receiving end of a feed.
@@ -65,7 +57,7 @@ impl Sent {
         match self {
             Self::Whole(bytes) => (Content::Whole(Some(bytes.into())), None),
             Self::Feed { messages, ending } => (Content::Feed(messages), Some(ending)),
-            // Who answers later answers with what is there.
+            // What is opened has been waited for.
             Self::Later(_) => (Content::Whole(None), None),
         }
     }
@@ -97,6 +89,56 @@ impl Feed {
         let before = self.waiting.fetch_add(message.len(), Ordering::Relaxed);
         let has_room = before == 0 || before + message.len() <= WAITING_BYTES;
         has_room && self.messages.try_send(message).is_ok()
+    }
+
+    /// As [`Feed::send`], and waits in this thread for so long for a client that reads slowly. For a file, which waits for its reader.
+    #[must_use]
+    pub fn send_within(&self, patience: Duration, message: impl Into<Bytes>) -> bool {
+        let (message, until) = (message.into(), Instant::now() + patience);
+        while !self.messages.is_closed() {
+            if self.messages.capacity() > 0
+                && self.waiting.load(Ordering::Relaxed) + message.len() <= WAITING_BYTES
+            {
+                return self.send(message);
+            }
+            if Instant::now() >= until {
+                return false;
+            }
+            std::thread::sleep(LOOK);
+        }
+        false
+    }
+
+    /// Ends it when all of it was read, or after this time.
+    pub fn end_within(self, patience: Duration) {
+        let until = Instant::now() + patience;
+        while self.waiting.load(Ordering::Relaxed) > 0 && !self.messages.is_closed() && Instant::now() < until
+        {
+            std::thread::sleep(LOOK);
+        }
+    }
+}
+
+/// The sending end of an answer that comes later, from whatever thread has it. Where it is dropped, the client is told that nobody answers.
+#[derive(Debug)]
+pub struct Later(oneshot::Sender<Response>);
+
+impl Later {
+    pub(super) fn new() -> (Self, Sent) {
+        let (send, receive) = oneshot::channel();
+        (Self(send), Sent::Later(receive))
+    }
+
+    /// Answers; the headers are those of the answer that promised this one.
+    pub fn send(self, response: Response) {
+        // A client that has left needs none.
+        let _ = self.0.send(response);
+    }
+
+    /// Whether nobody waits for it any more.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.0.is_closed()
     }
 }
 

@@ -16,7 +16,7 @@ use tokio::net::TcpStream;
 use tokio::sync::{mpsc, oneshot};
 use tokio::time::{sleep, timeout};
 
-use super::body::{Content, Ending, Sent};
+use super::body::{Content, Ending};
 use super::clients::Progress;
 use super::{Call, Offer, Request, Response, form};
 
@@ -29,7 +29,7 @@ const CONNECTION: Duration = Duration::from_secs(10);
 /// A loop that has not answered by then stands still: a role turns twenty times a second.
 const LOOP_PATIENCE: Duration = Duration::from_secs(2);
 
-/// How long an answer may take that is not the loop's own: within the time of the connection.
+/// What is answered later, as by a disk, is waited for so long beyond that: within the time of the connection.
 const LATER: Duration = Duration::from_secs(7);
 
 /// The head of a browser's request is shorter.
@@ -132,20 +132,11 @@ async fn answer(
     let (reply, answered) = oneshot::channel();
     // Where there is no room for it, nobody answers it either.
     let _ = service.calls.try_send(Call { request, reply });
-    match timeout(LOOP_PATIENCE, answered).await {
-        Ok(Ok(response)) => settled(response).await,
-        _ => Response::text(503, "the program does not answer now\n"),
-    }
-}
-
-/// The answer itself, where it is given later. It keeps the headers of what stood for it.
-async fn settled(response: Response) -> Response {
-    let Sent::Later(later) = response.body else { return response };
-    let answer = match timeout(LATER, later).await {
-        Ok(Ok(answer)) => answer,
-        _ => Response::text(503, "the program does not answer now\n"),
+    let answered = match timeout(LOOP_PATIENCE, answered).await {
+        Ok(Ok(response)) => timeout(LATER, response.settled()).await.ok().flatten(),
+        _ => None,
     };
-    Response { headers: response.headers, ..answer }
+    answered.unwrap_or_else(|| Response::text(503, "the program does not answer now\n"))
 }
 
 /// All that the client sends as cookies; those that are no text are none.

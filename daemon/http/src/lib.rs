@@ -4,7 +4,8 @@
 //! So a client that is slow or hostile costs neither the loop nor another client anything. A loop that stands still answers nothing, and
 //! its clients are told so.
 //!
-//! An answer may go on: [`Response::feed`] gives its sending end, as for server-sent events. One that takes time is given by [`Response::later`].
+//! An answer may go on: [`Response::feed`] gives its sending end, as for server-sent events. It may come later, from another thread, as what a disk
+//! has: [`Response::later`].
 //!
 //! Who binds with an [`Offer`] is reached by TLS, or takes forms as well. Without one a server answers GET and HEAD alone.
 //!
@@ -116,10 +117,18 @@ impl Response {
         (Self::new(200, kind, body), feed)
     }
 
-    /// An answer that is given within seven seconds, in another call. It keeps the headers that this one is given by [`Response::with`].
+    /// An answer that somebody gives later. The client waits some seconds for it.
     pub fn later() -> (Self, Later) {
         let (later, body) = Later::new();
-        (Self::new(503, "text/plain; charset=utf-8", body), later)
+        (Self::new(200, "", body), later)
+    }
+
+    /// The answer itself, once it has come; `None` where nobody gives it.
+    async fn settled(self) -> Option<Self> {
+        match self.body {
+            Sent::Later(later) => later.await.ok().map(|response| response.with(self.headers)),
+            _ => Some(self),
+        }
     }
 
     fn is_feed(&self) -> bool {

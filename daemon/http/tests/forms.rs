@@ -149,7 +149,7 @@ fn an_answer_that_is_given_later_keeps_its_headers_and_holds_up_nobody() {
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
     served(&server, |server| assert!(ask(server, &post("", "a=b")).contains("form a=b,")));
-    later.unwrap().answer(Response::see("/there").with_own("set-cookie", "a=1".to_owned()));
+    later.unwrap().send(Response::see("/there").with_own("set-cookie", "a=1".to_owned()));
     let answer = remaining(waiting);
     assert!(answer.starts_with("HTTP/1.1 303 ") && answer.contains("location: /there\r\n"), "{answer}");
     assert!(answer.contains("set-cookie: a=1\r\n") && answer.contains("nosniff"), "{answer}");

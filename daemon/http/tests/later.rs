@@ -1,0 +1,109 @@
+//! Answers that a thread gives later, whole or piece by piece.
+
+#![allow(clippy::unwrap_used)]
+
+use std::io::{Read as _, Write as _};
+use std::net::TcpStream;
+use std::sync::mpsc::channel;
+use std::thread::{self, ScopedJoinHandle};
+use std::time::Duration;
+
+use andon_http::{Later, Response, Server};
+
+/// Only a failing test waits for so long.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A client that reads its whole answer, and the sending end of that.
+fn asked(server: &Server, test: impl FnOnce(TcpStream, Later) + Send) {
+    let mut client = TcpStream::connect(server.address()).unwrap();
+    client.set_read_timeout(Some(PATIENCE)).unwrap();
+    client.write_all(b"GET / HTTP/1.1\r\nHost: here\r\n\r\n").unwrap();
+    let (send, later) = channel();
+    assert!(server.serve_next(|_| {
+        let (response, later) = Response::later();
+        send.send(later).unwrap();
+        response.with(&[("x-promised", "yes")])
+    }));
+    test(client, later.recv().unwrap());
+}
+
+fn served(test: impl FnOnce(&Server)) {
+    test(&Server::bind(([127, 0, 0, 1], 0).into()).unwrap());
+}
+
+fn read(mut client: TcpStream) -> Vec<u8> {
+    let mut answer = Vec::new();
+    let _ = client.read_to_end(&mut answer);
+    answer
+}
+
+#[test]
+fn an_answer_comes_later_with_the_headers_that_were_promised() {
+    served(|server| {
+        asked(server, |client, later| {
+            thread::sleep(Duration::from_millis(50));
+            later.send(Response::text(404, "it was removed\n"));
+            let answer = String::from_utf8(read(client)).unwrap();
+            assert!(answer.starts_with("HTTP/1.1 404 ") && answer.ends_with("it was removed\n"), "{answer}");
+            assert!(answer.contains("x-promised: yes\r\n"), "{answer}");
+        });
+        asked(server, |client, later| {
+            drop(later);
+            assert!(read(client).starts_with(b"HTTP/1.1 503 "), "nobody answers");
+        });
+        asked(server, |client, later| {
+            drop(client);
+            while !later.is_over() {
+                thread::sleep(Duration::from_millis(1));
+            }
+        });
+    });
+}
+
+#[test]
+fn a_file_waits_for_a_client_that_reads_slowly_and_comes_whole() {
+    const PIECES: usize = 2000;
+    served(|server| {
+        asked(server, |mut client, later| {
+            let (response, feed) = Response::feed("application/octet-stream");
+            later.send(response);
+            thread::scope(|scope| {
+                let sent: ScopedJoinHandle<'_, bool> = scope.spawn(move || {
+                    let is_sent =
+                        (0..PIECES).all(|piece| feed.send_within(PATIENCE, vec![piece as u8; 16_384]));
+                    feed.end_within(PATIENCE);
+                    is_sent
+                });
+                let (mut taken, mut piece) = (Vec::new(), [0; 65_536]);
+                while let Ok(count @ 1..) = client.read(&mut piece) {
+                    taken.extend_from_slice(&piece[..count]);
+                    if taken.len() < 4_000_000 {
+                        thread::sleep(Duration::from_millis(2));
+                    }
+                }
+                assert!(sent.join().unwrap());
+                assert!(
+                    taken.len() > PIECES * 16_384 && taken.ends_with(b"0\r\n\r\n"),
+                    "{} bytes",
+                    taken.len()
+                );
+            });
+        });
+    });
+}
+
+#[test]
+fn a_client_that_reads_nothing_of_a_file_holds_up_its_sender_no_longer_than_its_patience() {
+    served(|server| {
+        asked(server, |client, later| {
+            let (response, feed) = Response::feed("application/octet-stream");
+            later.send(response);
+            // The system takes some megabytes for it.
+            let count = (0..4000)
+                .take_while(|_| feed.send_within(Duration::from_millis(100), vec![7; 16_384]))
+                .count();
+            assert!(count < 4000, "64 MB wait for a client that reads nothing");
+            drop(client);
+        });
+    });
+}
