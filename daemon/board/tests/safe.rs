@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod answer;
+
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{Ipv4Addr, TcpStream};
 use std::sync::Mutex;
@@ -10,6 +12,7 @@ use std::time::{Duration, Instant};
 
 use andon_board::{Asked, Board, Kept, Logins, Rank, Settings, Tables, Was};
 use andon_http::{Offer, Server};
+use answer::{cookie, header, status};
 use shm_schemas::{Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
 
 /// Only a failing test waits for so long.
@@ -169,31 +172,14 @@ impl Plant {
     /// The token that the forms of a session have.
     fn csrf(&self, session: &str) -> String {
         let page = self.get("/", session);
-        let from = page.split_once("name=\"csrf\" value=\"").unwrap_or_else(|| panic_at(&page)).1;
+        let from =
+            page.split_once("name=\"csrf\" value=\"").unwrap_or_else(|| unreachable!("no token in {page}")).1;
         from.split('"').next().unwrap().to_owned()
     }
 
     fn asked(&self) -> usize {
         self.asked.lock().unwrap().len()
     }
-}
-
-fn panic_at(page: &str) -> ! {
-    unreachable!("no token in {page}")
-}
-
-fn status(answer: &str) -> u16 {
-    answer.split(' ').nth(1).and_then(|status| status.parse().ok()).unwrap_or_default()
-}
-
-fn header<'a>(answer: &'a str, name: &str) -> &'a str {
-    let mut lines = answer.lines().take_while(|line| !line.is_empty());
-    lines.find_map(|line| line.strip_prefix(name)?.strip_prefix(": ")).unwrap_or_default()
-}
-
-/// The cookie that an answer sets, as the browser sends it back.
-fn cookie(answer: &str) -> String {
-    header(answer, "set-cookie").split(';').next().unwrap().to_owned()
 }
 
 const ADDRESSES: [&str; 11] = [
