@@ -10,7 +10,7 @@ use prost::Message as _;
 use shm_schemas::FrameHeader;
 use turbojpeg::{DecompressHeader, Image, Subsamp, read_header};
 
-use crate::viewer::CompressedImage;
+use crate::viewer::{CompressedImage, timestamp};
 use crate::writer::Entry;
 
 /// Why a frame has no picture.
@@ -74,8 +74,8 @@ impl PictureMaker {
         Self { quality: record.quality, masks: Masks::new(record), converted: Vec::new() }
     }
 
-    /// The colour plane of a frame as JPEG: as the camera `sent` it, where it did and all of it may be seen. What may not be seen is black before
-    /// anything is encoded.
+    /// The colour plane of a frame as JPEG: as the camera `sent` it, where it did, all of it may be seen, and [`decode`] takes it. What may not be seen
+    /// is black before anything is encoded.
     ///
     /// # Errors
     /// A frame that is none, and what OpenCV or libjpeg-turbo says.
@@ -87,7 +87,7 @@ impl PictureMaker {
     ) -> Result<Vec<u8>, PictureError> {
         let frame = view(header, colour)?;
         let (quality, is_whole) = (self.quality, !self.masks.hides());
-        if let Some(sent) = sent.filter(|_| is_whole) {
+        if let Some(sent) = sent.filter(|sent| is_whole && size_of(sent).is_some()) {
             return Ok(sent.to_vec());
         }
         let image = match readable(frame.format()) {
@@ -215,8 +215,16 @@ fn fill(picture: &mut Mat, polygon: &Vector<Point>, colour: Scalar) -> opencv::R
 /// # Errors
 /// As [`decode`].
 pub fn picture_in(message: &Entry) -> Result<Decoded, PictureError> {
+    decode(&jpeg_in(message)?)
+}
+
+/// The file of the picture in a message of the topic [`crate::Topic::Picture`].
+///
+/// # Errors
+/// That there is none.
+pub fn jpeg_in(message: &Entry) -> Result<Vec<u8>, PictureError> {
     let image = CompressedImage::decode(message.data.as_ref()).map_err(|_| PictureError::NoJpeg)?;
-    decode(&image.data)
+    Ok(image.data)
 }
 
 /// A picture out of a recording.
@@ -224,13 +232,7 @@ pub fn picture_in(message: &Entry) -> Result<Decoded, PictureError> {
 /// # Errors
 /// Bytes that are no JPEG, and one that is too large, before anything of it is decoded; then what OpenCV says.
 pub fn decode(jpeg: &[u8]) -> Result<Decoded, PictureError> {
-    // By the library with which OpenCV decodes it as well, so that both find the same size. It refuses stray bytes between segments, which OpenCV
-    // skips: `capture` keeps no such picture of a camera, so that the recorder encodes it.
-    let header = read_header(jpeg).ok();
-    // One of tables alone has no columns.
-    let Some(DecompressHeader { width, height, .. }) = header.filter(|header| header.width > 0) else {
-        return Err(PictureError::NoJpeg);
-    };
+    let Some([width, height]) = size_of(jpeg) else { return Err(PictureError::NoJpeg) };
     if width.max(height) > MAX_SIDE_PX {
         return Err(PictureError::TooLarge { width, height });
     }
@@ -238,6 +240,22 @@ pub fn decode(jpeg: &[u8]) -> Result<Decoded, PictureError> {
     // Neither is negative, and what cannot be decoded has none.
     let (width, height) = (decoded.cols().max(0) as u32, decoded.rows().max(0) as u32);
     Ok(Decoded { width, height, pixels: decoded.data_bytes()?.to_vec() })
+}
+
+/// The reverse of [`jpeg_in`]: a message with a JPEG, which was captured at this time, nanoseconds since 1970 UTC.
+#[must_use]
+pub fn message_of(jpeg: Vec<u8>, utc_ns: u64) -> Vec<u8> {
+    let (timestamp, frame_id) = (timestamp(utc_ns), "camera".into());
+    CompressedImage { timestamp, data: jpeg, format: "jpeg".into(), frame_id }.encode_to_vec()
+}
+
+/// Columns and rows of a JPEG, by the library with which OpenCV decodes it as well, so that both find the same. `None` where it refuses what OpenCV only
+/// warns of, as stray bytes between segments or another version of JFIF: the recorder encodes such a picture of a camera. It does not refuse one without
+/// tables, as Motion JPEG allows, which not every other program reads: of that `capture` keeps nothing.
+fn size_of(jpeg: &[u8]) -> Option<[usize; 2]> {
+    let DecompressHeader { width, height, .. } = read_header(jpeg).ok()?;
+    // One of tables alone has no columns.
+    (width > 0).then_some([width, height])
 }
 
 /// A picture of blue, green and red as a file.
@@ -316,13 +334,34 @@ mod tests {
     #[test]
     fn what_the_camera_sent_is_stored_as_it_is_unless_something_may_not_be_seen() {
         let (header, bytes) = frame(|_, _| [255; 3]);
-        let sent = Some(&b"as the camera sent it"[..]);
+        let grey = Decoded { width: SIZE.0, height: SIZE.1, pixels: vec![128; bytes.len()] };
+        let sent = encode(&grey, 50).unwrap();
+        let sent = Some(sent.as_slice());
         let jpeg = PictureMaker::new(&Record::default()).jpeg(&header, &bytes, sent).unwrap();
         assert_eq!(Some(&jpeg[..]), sent);
         let masks = vec![vec![[0, 0], [320, 0], [320, 240], [0, 240]]];
         let record = Record { size: Some([SIZE.0, SIZE.1]), masks, ..Record::default() };
         let jpeg = PictureMaker::new(&record).jpeg(&header, &bytes, sent).unwrap();
         assert_eq!(brightest(&jpeg, |_, _| true), 0);
+    }
+
+    #[test]
+    fn what_no_reader_of_recordings_takes_is_encoded_whoever_sent_it() {
+        let (header, bytes) = frame(|_, _| [255; 3]);
+        let own = PictureMaker::new(&Record::default()).jpeg(&header, &bytes, None).unwrap();
+        let jfif = own.windows(5).position(|name| name == *b"JFIF\0").unwrap();
+        let mut other_jfif = own.clone();
+        other_jfif[jfif + 5] = 9;
+        let tables = own.windows(2).position(|marker| marker == [0xff, 0xc4]).unwrap();
+        let stray = [&own[..tables], &[7, 7], &own[tables..]].concat();
+        for sent in [&other_jfif, &stray, &own[..100].to_vec(), &b"no picture".to_vec()] {
+            assert!(matches!(decode(sent), Err(PictureError::NoJpeg)), "{} bytes", sent.len());
+            let jpeg = PictureMaker::new(&Record::default()).jpeg(&header, &bytes, Some(sent)).unwrap();
+            assert_eq!(jpeg, own);
+        }
+        // But what not every other program reads is read by these.
+        let scan = own.windows(2).position(|marker| marker == [0xff, 0xda]).unwrap();
+        assert!(decode(&[&own[..tables], &own[scan..]].concat()).is_ok());
     }
 
     #[test]

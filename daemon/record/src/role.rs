@@ -21,11 +21,11 @@ use shm_schemas::{
 };
 
 use crate::disk::Disk;
-use crate::picture::{Decoded, PictureMaker, picture_in};
+use crate::picture::{Decoded, PictureMaker, message_of, picture_in};
 use crate::recorder::{MESSAGE_MEMORY, Recorder, ToDisk};
 use crate::retention::{budget, say};
 use crate::topic::Topic;
-use crate::viewer::{CompressedImage, Level, Log, Number, timestamp};
+use crate::viewer::{Level, Log, Number, timestamp};
 use crate::writer::{Attachment, Entry};
 
 /// Detections that wait for a verdict on them: a verdict is decided a tenth of a second after its frame.
@@ -334,13 +334,7 @@ impl<N: Narrator> Recording<N> {
             }
         };
         let (time_ns, sent_ns) = times(&header.stamp);
-        let image = CompressedImage {
-            timestamp: timestamp(utc(time_ns)),
-            data: jpeg,
-            format: "jpeg".into(),
-            frame_id: "camera".into(),
-        };
-        self.take(Topic::Picture, time_ns, sent_ns, image.encode_to_vec());
+        self.take(Topic::Picture, time_ns, sent_ns, message_of(jpeg, utc(time_ns)));
     }
 
     fn take(&mut self, topic: Topic, time_ns: u64, sent_ns: u64, data: Vec<u8>) {

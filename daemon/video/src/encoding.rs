@@ -183,7 +183,8 @@ fn keep(jpeg: &[u8], room: &mut [u8]) -> u32 {
 }
 
 /// Whether the segments before the picture follow each other, and its tables are among them (ITU-T T.81, DHT before SOS). In Motion JPEG these may be
-/// left out, because all pictures have the same. Some cameras put stray bytes between segments: OpenCV skips them, and not every program does.
+/// left out, because all pictures have the same: libjpeg-turbo knows them, and not every program does. Some cameras put stray bytes between segments,
+/// which OpenCV skips.
 fn is_for_every_program(file: &[u8]) -> bool {
     let Some(mut rest) = file.strip_prefix(&jpeg::START) else { return false };
     let mut has_tables = false;
