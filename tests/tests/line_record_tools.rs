@@ -77,6 +77,9 @@ fn a_piece_that_was_accused_and_right_is_found_confirmed_taught_and_at_last_remo
     let row = clip_of(&history, "job");
     let clip = said(&line.command("clip", &[&row]), 0);
     assert!(clip.lines().next().unwrap().ends_with(".mcap"), "{clip}");
+    let question = format!("SELECT clip FROM verdict WHERE id = {row}");
+    let asked = said(&line.command("history", &["--sql", &question]), 0);
+    assert_eq!(asked, format!("clip\r\n{}\r\n", clip.lines().next().unwrap()));
     let unknown = said(&line.command("clip", &["999999"]), 64);
     assert!(unknown.contains("the journal has no verdict of this number"), "{unknown}");
 
@@ -123,6 +126,7 @@ fn a_piece_that_was_accused_and_right_is_found_confirmed_taught_and_at_last_remo
     let deeds = said(&line.command("history", &["--audit"]), 0);
     assert!(deeds.contains("1 recordings to be removed: from before 2199-01-01T00:00:00Z"), "{deeds}");
     assert!(!said(&line.command("history", &[]), 0).contains("clip "));
+    assert_eq!(said(&line.command("history", &["--sql", &question]), 0), "clip\r\n\r\n");
 }
 
 /// What `whatif` says of everything that was recorded, with the two numbers of each row.

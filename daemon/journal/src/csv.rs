@@ -111,9 +111,9 @@ fn text(value: Value<'_>) -> Cow<'_, str> {
     }
 }
 
-/// A text that may have commas and quotes in it.
-fn quoted(text: &str) -> Cow<'_, str> {
-    let is_plain = !text.contains([',', '"']);
+/// A text that may have commas, quotes and ends of lines in it.
+pub(super) fn quoted(text: &str) -> Cow<'_, str> {
+    let is_plain = !text.contains([',', '"', '\r', '\n']);
     if is_plain { text.into() } else { format!("\"{}\"", text.replace('"', "\"\"")).into() }
 }
 

@@ -98,6 +98,9 @@ pub enum JournalError {
         /// The cause that SQLite gives.
         source: rusqlite::Error,
     },
+    /// What somebody asks cannot be answered.
+    #[error("--sql: {0}; the tables are verdict, gap, not_watching and audit, and they can only be read")]
+    Question(String),
     /// The export cannot be written.
     #[error("cannot write the export: {0}")]
     Export(#[from] io::Error),

@@ -29,8 +29,8 @@ pub struct Query {
 /// A reader of the journal.
 #[derive(Debug)]
 pub struct History {
-    connection: Connection,
-    path: PathBuf,
+    pub(super) connection: Connection,
+    pub(super) path: PathBuf,
 }
 
 /// Verdicts and the rest in one order. A gap stands before the verdict that revealed it, and a time without sight before the first verdict after its

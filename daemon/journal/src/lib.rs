@@ -1,6 +1,7 @@
 //! The journal: every verdict is in SQLite before the PLC is told.
 //!
-//! [`Journal`] is the only writer (role `journal`); [`History`] may read at the same time (`andond history`).
+//! [`Journal`] is the only writer (role `journal`); [`History`] may read at the same time (`andond history`). A row does not name the recording that
+//! shows it: [`History::write_sql`] and `andond history` find that in the folder of recordings, from which it may be gone at any time.
 //!
 //! A confirmed verdict survives a power failure: the database is in WAL mode with `synchronous = FULL`, so a commit has been synced when
 //! [`Journal::flush`] returns. `NORMAL` would be faster, but would lose commits of which the PLC has already been told. A commit costs
@@ -22,6 +23,7 @@ mod place;
 mod retention;
 mod row;
 mod schema;
+mod sql;
 
 #[cfg(test)]
 mod tests;

@@ -157,6 +157,10 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
     ),
     (
         "clip",
+            (
+                "which verdicts have a clip",
+                "andond history --sql \"SELECT id, clip FROM verdict WHERE clip IS NOT NULL\"",
+            ),
         &[
             ("where the recording of a verdict is", "andond clip 4711"),
             ("a film of it, with what was seen and judged", "andond clip 4711 --annotate fault.mp4"),

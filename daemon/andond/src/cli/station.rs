@@ -136,6 +136,10 @@ pub struct History {
     /// Print comma-separated values instead of a table; times are in UTC, and activities and IUs count from 0
     #[arg(long)]
     pub csv: bool,
+    /// Print what this question finds instead, as comma-separated values. The tables are verdict, gap, not_watching and audit; the column clip of verdict
+    /// is the recording that shows it, or NULL
+    #[arg(long, value_name = "SELECT", conflicts_with_all = ["since", "job", "part", "nok", "audit", "summary", "plot", "csv", "utc"])]
+    pub sql: Option<String>,
     /// Show times in UTC instead of local time
     #[arg(long)]
     pub utc: bool,

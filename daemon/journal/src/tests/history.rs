@@ -174,3 +174,45 @@ fn what_is_no_file_is_called_so_and_not_waited_for() {
         assert!(matches!(Journal::open(path, KEEP), Err(JournalError::NotFile { .. })), "{}", path.display());
     }
 }
+
+fn asked(bench: &Bench, question: &str) -> Result<String, JournalError> {
+    let clips =
+        [(MessageId { epoch: u64::MAX, seq: 2 }, "/a, b.mcap"), (MessageId { epoch: 7, seq: 1 }, "gone")];
+    let mut csv = Vec::new();
+    History::open(&bench.path())?.write_sql(question, clips, &mut csv)?;
+    Ok(String::from_utf8(csv).unwrap())
+}
+
+#[test]
+fn a_question_in_sql_finds_the_clip_of_each_verdict() {
+    let mut bench = Bench::new();
+    bench.send(u64::MAX, [1, 2, 3]);
+    let rows = asked(&bench, "SELECT seq, clip, activity FROM verdict WHERE clip IS NOT NULL").unwrap();
+    assert_eq!(rows, "seq,clip,activity\r\n2,\"/a, b.mcap\",1\r\n");
+    let all =
+        asked(&bench, "SELECT count(*) AS all_of_them, count(clip), max(distance) FROM verdict").unwrap();
+    assert_eq!(all, "all_of_them,count(clip),max(distance)\r\n3,1,\r\n");
+    assert_eq!(asked(&bench, "SELECT why FROM gap").unwrap(), "why\r\n");
+    assert_eq!(asked(&bench, "SELECT x'0aff' AS b, 1.5 AS c").unwrap(), "b,c\r\n0aff,1.5\r\n");
+}
+
+#[test]
+fn a_question_in_sql_changes_nothing_and_one_that_is_none_is_refused_in_words() {
+    let mut bench = Bench::new();
+    bench.send(1, [1, 2]);
+    let copy = bench.dir.path().join("copy.sqlite");
+    for (question, words) in [
+        ("DELETE FROM main.verdict", "would change the journal"),
+        ("INSERT INTO clip VALUES (1, 1, 'x')", "would change the journal"),
+        ("DROP TABLE gap", "would change the journal"),
+        (&format!("VACUUM INTO '{}'", copy.display()), "would change the journal"),
+        ("SELECT 1; DELETE FROM main.verdict", "Multiple statements"),
+        ("SELECT colour FROM verdict", "no such column: colour"),
+        ("how many", "syntax error"),
+    ] {
+        let error = asked(&bench, question).unwrap_err().to_string();
+        assert!(error.starts_with("--sql: ") && error.contains(words), "{question}: {error}");
+    }
+    assert!(!copy.exists());
+    assert_eq!(asked(&bench, "SELECT count(*) AS n FROM verdict").unwrap(), "n\r\n2\r\n");
+}

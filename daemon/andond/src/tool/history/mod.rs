@@ -53,7 +53,13 @@ pub fn run(arguments: &Arguments) -> Result<Code, ToolError> {
     let history = History::open(&config.journal_path())?;
     let clock = Clock::new(arguments.utc);
     let mut out = BufWriter::new(anstream::stdout().lock());
-    if arguments.csv {
+    if let Some(question) = &arguments.sql {
+        let recordings = recordings(&config).unwrap_or_default();
+        let clips = store::by_verdict(&recordings);
+        let paths: Vec<_> =
+            clips.iter().map(|(id, recording)| (*id, recording.path.to_string_lossy())).collect();
+        history.write_sql(question, paths.iter().map(|(id, path)| (*id, path.as_ref())), &mut out)?;
+    } else if arguments.csv {
         match arguments.audit {
             true => history.write_audit_csv(since_utc_ns, &mut out)?,
             false => {
