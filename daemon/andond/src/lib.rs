@@ -1,10 +1,10 @@
 //! The Andon daemon as a library, so that its binary and tests share it.
 //!
 //! Along the data path: [`video`] brings pictures, [`perception`] and, with depth, [`metric`] look at them. [`role`] has the processes of the line,
-//! [`encoding`] what `encode` does, [`wire`] what crosses shared memory, and [`report`] verdicts for people and programs. [`file`] opens what people and other programs made.
-//! [`sight`] names what the line cannot see. [`recorder`] writes down what they saw. [`recording`] and [`tool`] run the same code over files, and
-//! [`picture`] draws the result. [`cli`] and [`compatibility`] serve them all, and so does the crate `andon_host`: configuration, log, exit codes and
-//! the cycle of a role.
+//! [`perceiving`] and [`encoding`] what `perceive` and `encode` do, [`wire`] what crosses shared memory, and [`report`] verdicts for people and
+//! programs. [`file`] opens what people and other programs made. [`sight`] names what the line cannot see. [`recorder`] writes down what they saw.
+//! [`recording`] and [`tool`] run the same code over files, and [`picture`] draws the result. [`cli`] and [`compatibility`] serve them all, and so does
+//! the crate `andon_host`: configuration, log, exit codes and the cycle of a role.
 #![forbid(unsafe_code)]
 
 mod backup;
@@ -18,8 +18,9 @@ pub mod encoding;
 mod identity;
 pub mod metric;
 mod outage;
-pub mod perception;
+pub mod perceiving;
 pub mod picture;
+pub mod perception;
 pub mod recorder;
 pub mod recording;
 pub mod report;

@@ -5,16 +5,17 @@ use andon_host::log::{code, log};
 use andon_host::role::{Cycle, Output, Role, Turn};
 use andon_host::video::frame::view;
 use andon_ipc::{FrameReader, FrameSample, Node, Port, Reader, Writer};
+use andon_perception::Detections as Seen;
 use andon_perception::metric::MetricScene;
-use andon_perception::{Detections as Seen, Perceiver};
 use shm_schemas::{Detections, Judging, RoleId, flag};
 
 use super::duplicates::DuplicateMarkers;
 use super::sight::SightWatch;
 use super::{RoleError, tracks};
 use crate::metric::{PlaceError, Placer};
+use crate::perceiving::Perceiving;
 use crate::perception::SetupError;
-use crate::{perception, wire};
+use crate::wire;
 
 /// Runs until it is asked to stop.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
@@ -22,19 +23,18 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         return tracks::run(node, config);
     }
     // Before the ports: a model that is missing is reported at once, and a frame that comes early is not kept waiting.
-    let perceiver = perception::perceiver(config)?;
+    let perceiving = Perceiving::new(config)?;
     let placer = Placer::new(config).map_err(SetupError::from)?;
     let mut role = Perceive {
         config,
         detections: Output::new(node.writer()?, &[RoleId::Encode]),
         frames: node.frame_reader()?,
         judging: node.reader()?,
-        perceiver,
+        perceiving,
         placer,
         is_without_bench: false,
-        sight: SightWatch::new(config),
+        sight: SightWatch::default(),
         duplicates: DuplicateMarkers::new(config),
-        source_epoch: 0,
         missed: 0,
     };
     Cycle::new(node)?.run(&mut role)
@@ -45,15 +45,13 @@ struct Perceive<'a> {
     frames: FrameReader,
     judging: Reader<Judging>,
     detections: Output<Writer<Detections>>,
-    perceiver: Perceiver,
+    perceiving: Perceiving,
     /// In metric mode.
     placer: Option<Placer>,
     /// Whether it was logged that the bench is not found.
     is_without_bench: bool,
     sight: SightWatch,
     duplicates: DuplicateMarkers<'a>,
-    /// Of the source that the perceiver has seen; 0 before the first.
-    source_epoch: u64,
     /// Frames up to the newest one that were not processed, whoever lost or skipped them.
     missed: u64,
 }
@@ -68,20 +66,16 @@ impl Role for Perceive<'_> {
 
     fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
         while let Some(judging) = self.judging.take()? {
-            self.sight.watch_for(&judging);
+            self.perceiving.watch_for(&judging);
         }
         let Some(frame) = cycle.take(&mut self.frames)? else { return Ok(Turn::Idle) };
         let header = frame.header();
         self.follow_source(header.stamp.epoch)?;
         let missed = self.frames.lost() + self.frames.skipped() + self.frames.lost_by_source();
         let newly_missed = missed - std::mem::replace(&mut self.missed, missed);
-        let seen = if cycle.is_at_end() { None } else { Some(self.perceive(&frame)?) };
-        if let Some((seen, _)) = &seen {
-            self.duplicates.look(&seen.twice, seen.captured_ns);
-        }
-        let look =
-            |(seen, _): &(Seen, _)| self.sight.look(header, seen, newly_missed as u32, cycle.liveness());
-        let unseen = if seen.as_ref().is_none_or(look) { 0 } else { flag::UNSEEN };
+        let seen =
+            if cycle.is_at_end() { None } else { Some(self.perceive(&frame, newly_missed as u32, cycle)?) };
+        let unseen = if seen.is_none() || self.perceiving.is_seen() { 0 } else { flag::UNSEEN };
         self.detections.send(cycle, |message| {
             message.source_ns = header.source_ns;
             message.flags = header.flags | unseen;
@@ -98,21 +92,26 @@ impl Role for Perceive<'_> {
 impl Perceive<'_> {
     /// Nothing that was learnt from the pictures of another source holds.
     fn follow_source(&mut self, epoch: u64) -> Result<(), RoleError> {
-        let known = std::mem::replace(&mut self.source_epoch, epoch);
-        if known != 0 && known != epoch {
-            self.perceiver = perception::perceiver(self.config)?;
-            self.sight.begin();
+        if self.perceiving.follow_source(self.config, epoch)? {
+            self.sight = SightWatch::default();
             self.placer = Placer::new(self.config).map_err(SetupError::from)?;
         }
         Ok(())
     }
 
-    /// What a frame shows, with its scene in metric mode.
-    fn perceive(&mut self, frame: &FrameSample) -> Result<(Seen, Option<MetricScene>), RoleError> {
+    /// What a frame shows, with its scene in metric mode. `dropped` are the frames before it that were not processed.
+    fn perceive(
+        &mut self,
+        frame: &FrameSample,
+        dropped: u32,
+        cycle: &mut Cycle<'_>,
+    ) -> Result<(Seen, Option<MetricScene>), RoleError> {
         let header = frame.header();
         let image = view(header, frame.colour()?)?;
-        let seen = self.perceiver.perceive(image, header.source_ns)?;
+        let (seen, spell) = self.perceiving.step(image, header.source_ns, dropped)?;
         let scene = self.scene(frame, &seen)?;
+        self.duplicates.look(&seen.twice, seen.captured_ns);
+        self.sight.tell(header, spell, &self.perceiving, cycle.liveness());
         Ok((seen, scene))
     }
 
