@@ -6,7 +6,7 @@ use andon_record::picture::{Decoded, encode};
 use andon_record::viewer::CompressedImage;
 use andon_record::{Attachment, Entry, RecordingWriter, Topic};
 use andond::blackbox::again::{Recorded, judge};
-use andond::blackbox::{BlackboxError, Plan, Run, first_picture, only_piece, piece_of};
+use andond::blackbox::{BlackboxError, Plan, Run, Sight, first_picture, only_piece, piece_of};
 use oorandom::Rand64;
 use prost::Message as _;
 use shm_schemas::{
@@ -18,6 +18,8 @@ use std::path::{Path, PathBuf};
 
 /// How many recordings; `ANDON_CASES=n` takes more.
 const CASES: u64 = 60;
+/// Of so many recordings one is looked at again.
+const LOOKED_AT: u64 = 20;
 const PERIOD_NS: u64 = 33_333_333;
 
 fn number(name: &str, otherwise: u64) -> u64 {
@@ -53,6 +55,10 @@ fn entries(draw: &mut Rand64, model_hash: u64) -> Vec<Entry> {
         ));
         let couples = Couples { stamp, model_hash: hash, began_ns: epoch * PERIOD_NS, ..Couples::default() };
         entries.push(message(Channel::Couple, at_ns, &couples));
+        if below(draw, 20) == 0 {
+            let data = picture(16, 16).into();
+            entries.push(Entry { topic: Topic::Picture, time_ns: at_ns, sent_ns: at_ns, data });
+        }
         if seq % 7 == 0 {
             let judging = Judging {
                 stamp,
@@ -115,12 +121,22 @@ fn write(path: &Path, files: &[Attachment], entries: &[Entry], draw: &mut Rand64
     }
 }
 
+/// Looks at the pictures again.
+fn look(path: &Path) -> Result<(), BlackboxError> {
+    let plan = Plan::read(path)?;
+    let sight = Sight::of(path, &plan.station, root().join("target/runtime"))?;
+    let paths = [path.to_path_buf()];
+    let again =
+        Recorded { paths: &paths, plan: &plan, instead: None, wants_pictures: false, sight: Some(&sight) };
+    judge(again, &mut |_step| Ok::<(), BlackboxError>(())).map(drop)
+}
+
 /// How many frames were judged.
 fn replay(path: &Path) -> Result<u64, BlackboxError> {
     let plan = Plan::read(path)?;
     let paths = [path.to_path_buf()];
     let mut frames = 0;
-    let was = Recorded { paths: &paths, plan: &plan, instead: None, wants_pictures: true };
+    let was = Recorded { paths: &paths, plan: &plan, instead: None, wants_pictures: true, sight: None };
     judge(was, &mut |_step| {
         frames += 1;
         Ok::<(), BlackboxError>(())
@@ -173,6 +189,12 @@ fn whatever_is_in_a_recording_its_replay_ends_with_verdicts_or_with_a_reason() {
             Ok(frames) => judged += u64::from(frames > 0),
             Err(error) => assert!(error.to_string().contains("run.mcap"), "{error}"),
         }
+        // To load the models takes longer than everything else.
+        if case % LOOKED_AT == 0
+            && let Err(error) = look(&path)
+        {
+            assert!(error.to_string().contains("run.mcap"), "{error}");
+        }
     }
     assert!(judged > 0, "none of them was judged");
 }
@@ -195,6 +217,7 @@ fn a_picture_of_gigapixels_is_refused_by_its_size_wherever_it_lies() {
     for huge in [0, 1] {
         let mut draw = Rand64::new(1);
         let mut entries = entries(&mut draw, model_hash);
+        entries.retain(|entry| entry.topic != Topic::Picture);
         // Each comes with the detections of its time.
         let times = [PERIOD_NS, 50 * PERIOD_NS];
         for (number, time_ns) in times.into_iter().enumerate().rev() {

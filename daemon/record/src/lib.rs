@@ -2,8 +2,9 @@
 //!
 //! A recording is an MCAP file. On `/raw/CHANNEL` are the bytes of each message as they were in shared memory, in the order in which the recorder
 //! received them. Their schema is the layout hash. On `/losses` are the messages that it did not get. Beside them are topics that viewers understand:
-//! `/camera`, `/log`, `/distance_over_threshold` and `/measure` ([`viewer`]). The configuration, the job and the calibration are attached, with the
-//! hashes of models and libraries. So it can be judged again on any machine.
+//! `/camera`, `/log`, `/distance_over_threshold` and `/measure` ([`viewer`]). The configuration, the job and the calibration are attached. So it can be
+//! judged again on any machine. Also attached is what pictures were looked at with: the program, the hashes of models and libraries, and the features of
+//! the processor. Where these are the same, and the camera sends JPEG, its pictures can be looked at again with the same result.
 //!
 //! The time of a message is that of the picture that it comes from; that of its sending is its publish time. Both are UTC in a file.
 //!

@@ -11,7 +11,7 @@ use andon_learn::job_file::JobFile;
 use shm_schemas::{Couples as Message, Detections, MessageId, flag};
 
 use super::plan::{Deed, EncoderRun, Plan, Sent, digest};
-use super::{BlackboxError, Frames};
+use super::{BlackboxError, Frames, Looked, Sight};
 use crate::encoding::Encoding;
 use crate::watch::Watch;
 use crate::wire;
@@ -40,6 +40,8 @@ pub struct Outcome {
     pub couples_differ: u64,
     /// Couples that were sent and have come out again.
     pub couples: u64,
+    /// What has come of looking at the pictures again, where that was wanted.
+    pub looked: Option<Looked>,
 }
 
 /// Recordings that follow each other, and what the roles did.
@@ -53,6 +55,8 @@ pub struct Recorded<'p> {
     pub instead: Option<&'p JobFile>,
     /// Whether `show` wants to see pictures: to decode them takes longer than everything else.
     pub wants_pictures: bool,
+    /// By what the pictures are looked at again; what was detected then is judged where there is none.
+    pub sight: Option<&'p Sight>,
 }
 
 /// Judges recordings again. `show` is told of every frame.
@@ -76,7 +80,7 @@ pub fn judge<E: From<BlackboxError>>(
             })?,
         };
     }
-    Ok(line.outcome)
+    Ok(Outcome { looked: line.frames.looked(), ..line.outcome })
 }
 
 /// A judge with a job, or with none.
@@ -118,7 +122,11 @@ impl<'p> Line<'p> {
         let frames = Frames::open_chain(recorded.paths)?;
         Ok(Self {
             recorded,
-            frames: if recorded.wants_pictures { frames.with_pictures() } else { frames },
+            frames: match recorded.sight {
+                Some(sight) => frames.looked_at_again(sight.config()),
+                None if recorded.wants_pictures => frames.with_pictures(),
+                None => frames,
+            },
             encoding: None,
             encoders: recorded.plan.encoders.iter().copied().collect(),
             newest_ns: 0,

@@ -1,9 +1,11 @@
-//! Recordings of the role `record`, judged again: from the detections on with the same result, bit for bit, on any machine.
+//! Recordings of the role `record`, judged again: from the detections on with the same result, bit for bit, on any machine. From the pictures on
+//! ([`Sight`]) the result is the same where they are those that the camera sent, and the libraries and the processor are the same.
 //!
 //! A recording is read twice. The first time [`Plan`] finds out what the roles did. It notes the first frame of each encoder, the first couples of
 //! each judge, and the couples after which each command was obeyed. The second time [`again`] does the same to the detections.
 
 pub mod again;
+mod look;
 mod piece;
 mod plan;
 mod source;
@@ -17,9 +19,13 @@ use andon_record::picture::PictureError;
 use andon_record::{End, Item, ReadError, RecordingReader, Topic};
 use shm_schemas::{Layout, from_bytes};
 
+pub use look::{Looked, Sight};
 pub use piece::{Piece, only_piece, piece_of};
 pub use plan::{Chain, Plan, chains};
 pub use source::{Frames, Run, first_picture};
+
+use crate::perception::SetupError;
+use crate::role::{CALIBRATION, CONFIGURATION, HASHES};
 
 /// Why a recording cannot be judged again.
 #[derive(Debug, thiserror::Error)]
@@ -93,6 +99,22 @@ pub enum BlackboxError {
         /// Why.
         source: PictureError,
     },
+    /// It has nothing to be looked at again.
+    #[error("{}: {why}: leave out --from-frames, and it is judged by what was detected then", path.display())]
+    NotFromFrames {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        why: &'static str,
+    },
+    /// Its pictures cannot be looked at.
+    #[error("{}: its pictures cannot be looked at again: {source}", path.display())]
+    Look {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        source: SetupError,
+    },
     /// The method refuses its constants or the objects.
     #[error("{}: the method cannot work with what is in it: {why}", path.display())]
     Method {
@@ -116,6 +138,8 @@ pub struct Station {
     pub jobs: HashMap<u64, JobFile>,
     /// What the pictures were looked at with.
     pub hashes: String,
+    /// The calibration of the bench, as a file.
+    pub calibration: Option<Vec<u8>>,
 }
 
 impl Station {
@@ -124,7 +148,7 @@ impl Station {
     /// # Errors
     /// What is missing, or cannot be used by this program.
     fn of(path: &Path, attached: &HashMap<String, Vec<u8>>) -> Result<Self, BlackboxError> {
-        let Some(text) = attached.get(crate::role::CONFIGURATION) else {
+        let Some(text) = attached.get(CONFIGURATION) else {
             return Err(BlackboxError::NoConfiguration { path: path.into() });
         };
         let mut jobs = HashMap::new();
@@ -132,8 +156,9 @@ impl Station {
             let job = JobFile::parse(&format!("{}: {name}", path.display()), bytes)?;
             jobs.insert(job.model_hash(), job);
         }
-        let hashes = attached.get("hashes.txt").map(|bytes| String::from_utf8_lossy(bytes).into_owned());
-        Ok(Self { config: configuration(path, text)?, jobs, hashes: hashes.unwrap_or_default() })
+        let hashes = attached.get(HASHES).map(|bytes| String::from_utf8_lossy(bytes).into_owned());
+        let calibration = attached.get(CALIBRATION).cloned();
+        Ok(Self { config: configuration(path, text)?, jobs, hashes: hashes.unwrap_or_default(), calibration })
     }
 }
 

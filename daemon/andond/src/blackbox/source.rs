@@ -10,28 +10,42 @@ use andon_host::config::Config;
 use andon_host::video::pipe::PictureFormat;
 use andon_ipc::Channel;
 use andon_learn::recording::{Header, Landmarks};
-use andon_record::picture::{Decoded, PictureError, picture_in};
+use andon_record::picture::{Decoded, PictureError, decode, jpeg_in};
 use andon_record::{End, Entry, Item, RecordingReader, Topic};
 use shm_schemas::{Detections, MessageId, flag};
 
+use super::look::{Looked, Looking};
 use super::{BlackboxError, Piece, message, only_piece, station_of};
 use crate::recorder;
 use crate::wire;
 
-/// Pictures that wait for what was seen in them: perception is at most a second behind.
+/// Pictures that wait for what was seen in them, and the reverse: a recorder encodes a picture once `perceive` has looked at it, or while it does. Both
+/// are at most a second behind.
 const WAITING: usize = 32;
 
 /// The frames of a recording.
 pub struct Frames {
     reader: RecordingReader<BufReader<File>>,
-    path: PathBuf,
+    /// The file that is being read, and the one that the newest frame is in.
+    paths: [PathBuf; 2],
     /// What follows it.
     following: VecDeque<PathBuf>,
+    waiting: VecDeque<Waiting>,
     pictures: VecDeque<Entry>,
     shown: Option<Decoded>,
     seen: Detections,
     wants_pictures: bool,
-    end: End,
+    looking: Option<Looking>,
+    /// How it ended, once it has been read.
+    end: Option<End>,
+}
+
+/// Detections whose picture may still come.
+struct Waiting {
+    seen: Detections,
+    /// The time of the picture.
+    time_ns: u64,
+    path: PathBuf,
 }
 
 impl Frames {
@@ -52,13 +66,15 @@ impl Frames {
         let path = following.pop_front().unwrap_or_default();
         Ok(Self {
             reader: RecordingReader::open(&path)?,
-            path,
+            paths: [path.clone(), path],
             following,
+            waiting: VecDeque::with_capacity(WAITING),
             pictures: VecDeque::with_capacity(WAITING),
             shown: None,
             seen: Detections::default(),
             wants_pictures: false,
-            end: End::Complete,
+            looking: None,
+            end: None,
         })
     }
 
@@ -68,28 +84,34 @@ impl Frames {
         self
     }
 
+    /// From now on detections are what is seen in the pictures again, by this configuration.
+    pub(super) fn looked_at_again(mut self, config: &Config) -> Self {
+        self.looking = Some(Looking::new(config));
+        self.with_pictures()
+    }
+
+    /// What has come of looking at the pictures again.
+    pub(super) fn looked(&self) -> Option<Looked> {
+        self.looking.as_ref().map(Looking::looked)
+    }
+
     /// The next message of detections, also one that only says that the source has ended.
     ///
     /// # Errors
     /// What the system says.
     pub fn next_detections(&mut self) -> Result<Option<&Detections>, BlackboxError> {
-        while let Some(item) = self.next_item()? {
-            let Item::Entry(entry) = item else { continue };
-            if entry.topic == Topic::Picture && self.wants_pictures {
-                if self.pictures.len() == WAITING {
-                    self.pictures.pop_front();
-                }
-                self.pictures.push_back(entry);
-                continue;
+        loop {
+            if let Some(next) = self.due() {
+                self.show(next)?;
+                return Ok(Some(&self.seen));
             }
-            let of = Topic::Raw(Channel::Detections);
-            let Some(detections) = message::<Detections>(entry.topic, of, &entry.data) else { continue };
-            self.seen = detections;
-            self.show(entry.time_ns)?;
-            return Ok(Some(&self.seen));
+            match self.next_item()? {
+                Some(Item::Entry(entry)) => self.take(entry),
+                Some(Item::Attachment(_)) => (),
+                None if self.end.is_some() => return Ok(None),
+                None => self.end = Some(self.reader.end()),
+            }
         }
-        self.end = self.reader.end();
-        Ok(None)
     }
 
     fn next_item(&mut self) -> Result<Option<Item>, BlackboxError> {
@@ -99,27 +121,58 @@ impl Frames {
             }
             let Some(next) = self.following.pop_front() else { return Ok(None) };
             self.reader = RecordingReader::open(&next)?;
-            self.path = next;
+            self.paths[0] = next;
         }
+    }
+
+    fn take(&mut self, entry: Entry) {
+        let Entry { topic, time_ns, ref data, .. } = entry;
+        if let Some(seen) = message(topic, Topic::Raw(Channel::Detections), data) {
+            self.waiting.push_back(Waiting { seen, time_ns, path: self.paths[0].clone() });
+        } else if topic == Topic::Picture && self.wants_pictures {
+            if self.pictures.len() == WAITING {
+                self.pictures.pop_front();
+            }
+            self.pictures.push_back(entry);
+        } else if let Some(looking) = &mut self.looking {
+            if let Some(header) = message(topic, Topic::Raw(Channel::Frame), data) {
+                looking.take_header(header);
+            } else if let Some(judging) = message(topic, Topic::Raw(Channel::Judging), data) {
+                looking.take_judging(judging);
+            }
+        }
+    }
+
+    /// The oldest detections, once their picture is there or does not come any more. Pictures come in the order of their times.
+    fn due(&mut self) -> Option<Waiting> {
+        let oldest = self.waiting.front()?;
+        let has_come = self.pictures.back().is_some_and(|newest| newest.time_ns >= oldest.time_ns);
+        let may_come = self.wants_pictures && !has_come && self.end.is_none() && self.waiting.len() < WAITING;
+        if may_come { None } else { self.waiting.pop_front() }
     }
 
     /// The file that the newest frame is in.
     pub fn path(&self) -> &Path {
-        &self.path
+        &self.paths[1]
     }
 
-    /// Shows the picture of this time.
-    fn show(&mut self, time_ns: u64) -> Result<(), BlackboxError> {
+    /// Shows detections, with the picture of their time.
+    fn show(&mut self, next: Waiting) -> Result<(), BlackboxError> {
+        let Waiting { seen, time_ns, path } = next;
         self.shown = None;
-        while let Some(oldest) = self.pictures.front()
-            && oldest.time_ns <= time_ns
-        {
+        let mut bytes = 0;
+        while let Some(picture) = self.pictures.pop_front_if(|oldest| oldest.time_ns <= time_ns) {
             // What is older was never looked at.
-            let Some(picture) = self.pictures.pop_front().filter(|picture| picture.time_ns == time_ns) else {
-                continue;
-            };
-            self.shown = decoded(&self.path, &picture)?;
+            if picture.time_ns == time_ns {
+                (self.shown, bytes) = decoded(&path, &picture)?;
+            }
         }
+        let picture = self.shown.as_ref().map(|picture| (picture, bytes));
+        self.seen = match &mut self.looking {
+            Some(looking) => looking.look(&path, &seen, picture)?,
+            None => seen,
+        };
+        self.paths[1] = path;
         Ok(())
     }
 
@@ -137,7 +190,7 @@ impl Frames {
 
     /// How it ended; complete until it has.
     pub fn end(&self) -> &End {
-        &self.end
+        self.end.as_ref().unwrap_or(&End::Complete)
     }
 }
 
@@ -245,14 +298,15 @@ fn header(config: &Config) -> Header {
     Header { hands, landmarks: Landmarks::All, ..recorder::header(config) }
 }
 
-/// A picture of a recording; `None` where it is damaged. One that is too large is not tried.
-fn decoded(path: &Path, message: &Entry) -> Result<Option<Decoded>, BlackboxError> {
-    match picture_in(message) {
-        Ok(picture) => Ok(Some(picture).filter(|picture| picture.width > 0)),
+/// A picture of a recording, and how many bytes its file has; none where it is damaged. One that is too large is not tried.
+fn decoded(path: &Path, message: &Entry) -> Result<(Option<Decoded>, usize), BlackboxError> {
+    let Ok(jpeg) = jpeg_in(message) else { return Ok((None, 0)) };
+    match decode(&jpeg) {
+        Ok(picture) => Ok((Some(picture).filter(|picture| picture.width > 0), jpeg.len())),
         Err(source @ PictureError::TooLarge { .. }) => {
             Err(BlackboxError::Picture { path: path.into(), source })
         }
-        Err(_) => Ok(None),
+        Err(_) => Ok((None, 0)),
     }
 }
 
@@ -266,7 +320,7 @@ pub fn first_picture(path: &Path) -> Result<Option<PictureFormat>, BlackboxError
         if let Item::Entry(entry) = item
             && entry.topic == Topic::Picture
         {
-            return Ok(decoded(path, &entry)?.map(|picture| PictureFormat {
+            return Ok(decoded(path, &entry)?.0.map(|picture| PictureFormat {
                 width: picture.width,
                 height: picture.height,
                 rate_hz: 0.0,

@@ -65,6 +65,10 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
                 "judge a recording of the station again, as it was",
                 "andond replay 00000042-20261128T072834.125Z.mcap",
             ),
+            (
+                "look at its pictures again as well",
+                "andond replay --from-frames 00000042-20261128T072834.125Z.mcap",
+            ),
         ],
     ),
     (
@@ -153,14 +157,14 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
             ),
             ("the same as a picture", "andond history --since 7d --plot week.svg"),
             ("who has changed what", "andond history --since 7d --audit"),
-        ],
-    ),
-    (
-        "clip",
             (
                 "which verdicts have a clip",
                 "andond history --sql \"SELECT id, clip FROM verdict WHERE clip IS NOT NULL\"",
             ),
+        ],
+    ),
+    (
+        "clip",
         &[
             ("where the recording of a verdict is", "andond clip 4711"),
             ("a film of it, with what was seen and judged", "andond clip 4711 --annotate fault.mp4"),

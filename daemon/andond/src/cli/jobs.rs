@@ -111,6 +111,10 @@ pub struct Replay {
     pub job: Option<PathBuf>,
     /// A film, a folder of pictures, a track file, or a recording of the role `record` (.mcap)
     pub recording: PathBuf,
+    /// Look at the pictures of a recording of the role `record` again, instead of judging what was detected then. It says first which libraries and
+    /// processor features differ from those of the recording, and then how many detections are equal
+    #[arg(long, conflicts_with = "job")]
+    pub from_frames: bool,
     /// Print one JSON object per verdict; `distribution` in it is where an IU that is not right lies among the runs that were shown
     #[arg(long)]
     pub json: bool,

@@ -30,7 +30,7 @@ use shm_schemas::RoleId;
 pub(crate) use jobs::{job_files, load as load_job, read as read_job};
 
 pub(crate) use journal::retention;
-pub(crate) use record::{CONFIGURATION, hashes};
+pub(crate) use record::{CALIBRATION, CONFIGURATION, HASHES};
 
 pub use error::RoleError;
 

@@ -4,7 +4,6 @@ use andon_host::config::{Config, RecordMode, in_force};
 use andon_host::log::{code, log};
 use andon_host::video::pipe::PictureFormat;
 use andon_ipc::Node;
-use andon_learn::digest::sha256_hex;
 use andon_learn::job_file::JobFile;
 use andon_record::Attachment;
 use andon_record::picture::{Decoded, encode};
@@ -12,7 +11,7 @@ use andon_record::role::Narrator;
 use shm_schemas::{Detections, Judging, Verdict};
 
 use super::{RoleError, jobs};
-use crate::identity::program;
+use crate::made_with::hashes;
 use crate::picture::with_verdict;
 use crate::report::{Names, verdict_sentence};
 use crate::wire;
@@ -33,10 +32,10 @@ fn attachments(config: &Config) -> Vec<Attachment> {
     let attachment = |name: &str, data: Vec<u8>| Attachment { name: name.into(), data: data.into() };
     let mut attachments = vec![
         attachment(CONFIGURATION, in_force(config).into_bytes()),
-        attachment("hashes.txt", hashes(config).into_bytes()),
+        attachment(HASHES, hashes(config).into_bytes()),
     ];
     if let Some(calibration) = config.bench.calibration.as_ref().and_then(|path| std::fs::read(path).ok()) {
-        attachments.push(attachment("calibration.toml", calibration));
+        attachments.push(attachment(CALIBRATION, calibration));
     }
     attachments
 }
@@ -44,43 +43,15 @@ fn attachments(config: &Config) -> Vec<Attachment> {
 /// The name of the configuration in a recording.
 pub(crate) const CONFIGURATION: &str = "configuration.toml";
 
+/// The name of what pictures were looked at with.
+pub(crate) const HASHES: &str = "hashes.txt";
+
+/// The name of the calibration in a recording.
+pub(crate) const CALIBRATION: &str = "calibration.toml";
+
 /// The name of a job in a recording.
 pub(crate) fn job_name(model_hash: u64) -> String {
     format!("job-{model_hash:016x}.toml")
-}
-
-/// What the pictures were looked at with: a replay from pictures is the same only with the same.
-pub(crate) fn hashes(config: &Config) -> String {
-    let mut lines = vec![format!("program {}", program()), format!("processor {}", processor())];
-    let folder = &config.perception.models;
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let is_used = |ending: &std::ffi::OsStr| ending == "onnx" || ending == "so";
-    let mut files: Vec<_> =
-        entries.filter(|path| path.is_file() && path.extension().is_some_and(is_used)).collect();
-    files.sort();
-    for path in files {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        match std::fs::read(&path) {
-            Ok(bytes) => lines.push(format!("{} {name}", sha256_hex(&bytes))),
-            Err(error) => lines.push(format!("unread {name}: {error}")),
-        }
-    }
-    lines.push(String::new());
-    lines.join("\n")
-}
-
-/// The features of the processor that change how floating-point numbers are summed.
-fn processor() -> String {
-    #[cfg(target_arch = "x86_64")]
-    let features = [
-        ("avx2", is_x86_feature_detected!("avx2")),
-        ("fma", is_x86_feature_detected!("fma")),
-        ("avx512f", is_x86_feature_detected!("avx512f")),
-    ];
-    #[cfg(not(target_arch = "x86_64"))]
-    let features = [("", false)];
-    let there: Vec<&str> = features.iter().filter(|(_, is_there)| *is_there).map(|(name, _)| *name).collect();
-    format!("{} {}", std::env::consts::ARCH, there.join(" "))
 }
 
 struct Words<'a> {

@@ -69,6 +69,7 @@ fn draw(arguments: &Clip, recording: &Path, film: &Path) -> Result<(), ToolError
     let arguments = Replay {
         config: arguments.config.clone(),
         job: None,
+        from_frames: false,
         recording: recording.into(),
         json: false,
         annotate: Some(film.into()),

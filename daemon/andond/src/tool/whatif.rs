@@ -54,7 +54,7 @@ fn compare(
     let (path, file) = job;
     let misfit = |misfit| ToolError::Misfit { path: path.into(), misfit };
     compatibility::station(file, &plan.station.config).map_err(misfit)?;
-    let was = Recorded { paths, plan, instead: None, wants_pictures: false };
+    let was = Recorded { paths, plan, instead: None, wants_pictures: false, sight: None };
     let would_be = Recorded { instead: Some(file), ..was };
     std::thread::scope(|scope| {
         let old = scope.spawn(|| count(was, before, &|| ()));

@@ -1,6 +1,8 @@
 //! A recording of the role `record`, judged as it was: by the jobs that were in force, with the commands where they came.
 
+use std::fmt::Display;
 use std::path::Path;
+use std::slice::from_ref;
 
 use andon_core::couple::Couple;
 use andon_core::verdict::Verdict;
@@ -11,14 +13,14 @@ use shm_schemas::{PartId, Verdict as Message};
 
 use super::agreement::Agreement;
 use super::printer::Printer;
-use super::{ToolError, progress};
+use super::{ToolError, load_config_for, progress};
 use crate::blackbox::again::{Outcome, Recorded, Step, judge};
-use crate::blackbox::{Plan, first_picture};
+use crate::blackbox::{Looked, Plan, Sight, first_picture};
 use crate::cli::Replay;
+use crate::made_with::{differences, hashes};
 use crate::picture::Annotator;
 use crate::recording::{RecordingError, View};
 use crate::report::{Names, on_recording, verdict_sentence};
-use crate::role::hashes;
 use crate::wire;
 use crate::wire::verdict::{Sender, station_name};
 
@@ -29,6 +31,7 @@ use crate::wire::verdict::{Sender, station_name};
 pub(super) fn run(arguments: &Replay) -> Result<u8, ToolError> {
     let path = arguments.recording.as_path();
     let plan = Plan::read(path).map_err(RecordingError::from)?;
+    let sight = arguments.from_frames.then(|| sight(arguments, &plan)).transpose()?;
     let mut printer = Printer::new(arguments.json);
     let mut judged = Vec::new();
     let mut drawing = Drawing::new(path, arguments.annotate.as_deref(), &plan)?;
@@ -36,7 +39,8 @@ pub(super) fn run(arguments: &Replay) -> Result<u8, ToolError> {
     let mut names = (0, Names::default());
     let paths = [path.to_path_buf()];
     let wants_pictures = arguments.annotate.is_some();
-    let recorded = Recorded { paths: &paths, plan: &plan, instead: None, wants_pictures };
+    let recorded =
+        Recorded { paths: &paths, plan: &plan, instead: None, wants_pictures, sight: sight.as_ref() };
     let outcome = judge(recorded, &mut |step: Step<'_>| -> Result<(), ToolError> {
         let (job, hash) = step.job;
         if names.0 != hash {
@@ -90,12 +94,18 @@ fn tell(path: &Path, plan: &Plan, outcome: &Outcome, judged: &[Verdict], names: 
             "{path} begins in the middle: what encoder and judge had seen before is not in it, and verdicts may differ"
         );
     }
-    let others = differences(&plan.station.hashes, &hashes(&plan.station.config));
-    if !others.is_empty() {
-        eprintln!(
-            "{path} was made with another {}: its detections are judged as they are, and detecting again would not give the same bits",
-            others.join(", another ")
-        );
+    match &outcome.looked {
+        Some(looked) => tell_looked(&path, looked),
+        None => {
+            let others = differences(&plan.station.hashes, &hashes(&plan.station.config));
+            if let Some(first) = others.first() {
+                eprintln!(
+                    "{path} was made with something else in {} respects ({first}): its detections are judged as they are, and detecting again \
+                     (--from-frames) need not give the same bits",
+                    others.len()
+                );
+            }
+        }
     }
     if plan.lost > 0 {
         eprintln!("{path}: {} messages did not reach the recorder, and verdicts may differ", plan.lost);
@@ -114,18 +124,50 @@ fn tell(path: &Path, plan: &Plan, outcome: &Outcome, judged: &[Verdict], names: 
     }
 }
 
-/// What this machine has in another version than the one that made the recording. The first word of each line that differs names it. A recording
-/// without such lines differs in nothing.
-fn differences(then: &str, now: &str) -> Vec<&'static str> {
-    let lines = |text: &str, word: &'static str| -> Vec<String> {
-        let is_of_word = |line: &&str| match word {
-            "model" => !line.starts_with("program ") && !line.starts_with("processor "),
-            word => line.starts_with(word),
-        };
-        text.lines().filter(is_of_word).map(str::to_owned).collect()
+/// By what the pictures are looked at again. Says first in what that differs from what they were looked at with.
+fn sight(arguments: &Replay, plan: &Plan) -> Result<Sight, ToolError> {
+    let path = &arguments.recording;
+    let recorded = &plan.station.config.perception.models;
+    let models = match recorded.is_dir() {
+        true => recorded.clone(),
+        // Recorded on another machine: where they are here, the configuration that is here says.
+        false => load_config_for(&arguments.config, from_ref(path))?.perception.models,
     };
-    let differs = |word: &&'static str| !then.is_empty() && lines(then, word) != lines(now, word);
-    ["program", "model", "processor"].into_iter().filter(differs).collect()
+    let sight = Sight::of(path, &plan.station, models).map_err(RecordingError::from)?;
+    let path = path.display();
+    let then = &plan.station.hashes;
+    let others = differences(then, &hashes(sight.config()));
+    if then.is_empty() {
+        eprintln!("{path} does not say what it was made with: detections may differ");
+    } else if others.is_empty() {
+        eprintln!("program, models, libraries and processor features are those of the recording");
+    } else {
+        eprintln!("{path} was made with something else: detections may differ");
+        others.iter().for_each(|other| eprintln!("  {other}"));
+    }
+    Ok(sight)
+}
+
+/// Says how what was detected again compares with what was detected then.
+fn tell_looked(path: &impl Display, looked: &Looked) {
+    let Looked { frames, equal, encoded, without_picture, lost, begins_in_the_middle } = *looked;
+    eprintln!("as recorded: the detections of {equal} of {frames} frames are equal bit for bit");
+    for (count, words) in [
+        (
+            encoded,
+            "pictures are not those that the camera sent: the recorder has encoded them, with losses, and with black where masks lie",
+        ),
+        (without_picture, "frames have no picture: what was detected in them then is judged"),
+        (lost, "frames were looked at, and the recording does not say what was detected in them"),
+        (begins_in_the_middle, "times it begins in the middle of what `perceive` had seen"),
+    ] {
+        if count > 0 {
+            eprintln!("{path}: {count} {words}");
+        }
+    }
+    if !looked.is_all_that_was_seen() {
+        eprintln!("{path}: so detections and verdicts may differ, whatever they are made with");
+    }
 }
 
 /// A verdict as a reader of its channel has it.
@@ -180,25 +222,6 @@ impl<'a> Drawing<'a> {
             Some(annotator) => Ok(annotator.finish()?),
             None if self.file.is_some() => Err(ToolError::NothingToAnnotate),
             None => Ok(()),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn it_is_said_in_what_a_recording_was_made_with_something_else() {
-        let then = "program andond 0.1.0 of today\nprocessor x86_64 avx2\n12ab hands.onnx\n34cd runtime.so\n";
-        assert!(differences(then, then).is_empty() && differences("", then).is_empty());
-        for (now, expected) in [
-            (then.replace("today", "yesterday"), vec!["program"]),
-            (then.replace("12ab", "56ef"), vec!["model"]),
-            (then.replace("34cd runtime.so\n", ""), vec!["model"]),
-            (then.replace("avx2", "avx2 fma").replace("0.1.0", "0.2.0"), vec!["program", "processor"]),
-        ] {
-            assert_eq!(differences(then, &now), expected, "{now}");
         }
     }
 }
