@@ -47,22 +47,26 @@ const PRIOR_PLACE_M: f64 = 0.008;
 pub(super) const RARE: f64 = 0.005;
 
 /// Where a hand comes from and where it goes to may make one reversal more of a repeated motion, or one less. The way out of the contact is seen to
-/// go back before the contact ends, or only after that.
+/// go back before the contact ends, or only after that. Without it 27 of 70 jobs differ, and 50 faults fewer are found. With two, 7 do, and 1 more
+/// fault is found.
 const BORDER_REVERSALS: u32 = 1;
 
 /// Strokes are counted if this share of the runs has as many. Who makes five or so by feel makes as many in four of five runs by chance. That is as
-/// often as who counts them makes a mistake.
+/// often as who counts them makes a mistake. With two thirds 1 of 70 jobs differs, with all none, and no verdict.
 pub(super) const COUNTED_SHARE: (usize, usize) = (5, 6);
 
-/// Nobody notices a path that is longer by this, in metres.
+/// Nobody notices a path that is longer by this, in metres. Halved, 1 right run fewer of 435 is accepted, and 1 more fault of 540 found. Doubled, no
+/// verdict differs.
 const TOLERATED_PATH_M: f64 = 0.05;
 
 /// The share of the job's rate of false alarms for each of the two measures by which people differ much. With these, what is wrong is found only near
 /// the limit: strokes half as long, no pause at a part. The five measures without a share of their own have the rest. Counts are whole, so that a
-/// stroke less is found at any rate.
+/// stroke less is found at any rate. Halved, 3 more right runs of 435 are accepted, and 4 faults fewer of 540 found. With 0.42, which leaves the
+/// others next to nothing, it is 3 faults fewer.
 const NEAR_SHARE: f64 = 0.35;
 
-/// The share that a way has that leads too far off the straight line.
+/// The share that a way has that leads too far off the straight line. Halved, 1 right run fewer of 435 is accused. With 0.28 it is 1 more, and 4
+/// faults fewer of 540 are found.
 const LATERAL_SHARE: f64 = 0.15;
 
 /// How often each measure of an IU may be out of its bounds in a right job. Each measure has a share of the rate of the job, and the IUs

@@ -7,6 +7,11 @@
 //! [`ThresholdRule`](crate::rule::ThresholdRule) gives its threshold, and a [`BoundsRule`](crate::rule::BoundsRule) the bounds of duration and of the
 //! other measures. The same runs give the same job, byte for byte. What speaks against learning from the runs is found in [`trust`] and said in the
 //! report.
+//!
+//! A constant says where it comes from and what it changes by itself, mostly halved and doubled. It was tried on 70 sets of 5 to 9 runs, taught
+//! without leaving one out, and on 435 right and 540 faulty runs of others. These are simulated people with one and two hands and by feel, the films
+//! of the tests, and motion capture. The constants accept 422 of the right runs and accuse 11, and find 473 faults and call 13 right.
+//! `tests/constants.py` says of which sets the job differs.
 
 mod contact_regions;
 mod either_first;

@@ -18,7 +18,8 @@ use andon_core::couple::Context;
 use std::collections::BTreeSet;
 
 /// The smallest deviation of a gap that is believed, in seconds or places of a sequence: a few runs may agree by chance. With it, the same order in
-/// two runs is a law of one hand from the middle strictness on, and not below.
+/// two runs is a law of one hand from the middle strictness on, and not below. Halved or doubled, none of 70 jobs that five runs or more teach
+/// differs.
 const MIN_DEVIATION: f64 = 0.02;
 
 /// Two hands that come within this many seconds of each other, beyond the bound, show no order. Halved and doubled, 2 and 7 of 31 jobs have other

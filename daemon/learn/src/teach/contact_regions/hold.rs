@@ -9,7 +9,8 @@ use super::{apart_m, centres, contact_of, contact_region, middle_of, points_of};
 use andon_core::config::Contact;
 use andon_core::object::{ContactRegion, ObjectShape};
 
-/// Two finger tips that hold an object are at one interaction point if they are no farther apart, in metres.
+/// Two finger tips that hold an object are at one interaction point if they are no farther apart, in metres. Halved, 21 of 70 jobs differ and no
+/// verdict. Doubled, 15 do: 2 more right runs are accepted, and 1 more fault is found.
 const SAME_POINT_M: f32 = 0.02;
 
 /// How a hand meets an object; `None` if it does as the station says, or never carries it.

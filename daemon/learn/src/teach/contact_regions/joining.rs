@@ -14,13 +14,16 @@ use andon_core::object::{ContactRegion, ObjectShape};
 use nalgebra::Point3;
 use std::collections::BTreeSet;
 
-/// The positions of two objects that come near each other so may touch, in metres: most parts of a bench are no larger.
+/// The positions of two objects that come near each other so may touch, in metres: most parts of a bench are no larger. Halved, 16 of 70 jobs differ,
+/// and 32 faults are called right instead of 13. Doubled, 30 do, and 38 faults fewer are found.
 pub(super) const TOUCH_M: f32 = 0.15;
 
-/// No part of a bench is larger, in metres. Markers lie at the far ends of two long parts that touch.
+/// No part of a bench is larger, in metres. Markers lie at the far ends of two long parts that touch. With 15 cm 14 of 70 jobs differ, and 3 faults
+/// fewer are found. With 50 cm 12 do, and no verdict.
 const MAX_PART_M: f32 = 0.25;
 
-/// Two parts of which one is only put back beside the other touch where their points come as near as this, in metres.
+/// Two parts of which one is only put back beside the other touch where their points come as near as this, in metres. Halved or
+/// doubled, 7 of 70 jobs differ, and no verdict.
 const BESIDE_CONTACT_M: f32 = 0.005;
 
 /// How the first one meets the second; `None` if it does as the station says, or never.

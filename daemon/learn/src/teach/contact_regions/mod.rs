@@ -5,10 +5,6 @@
 //!
 //! Runs of a real person, recorded without points, had no contact at all. With the contacts that the runs show, each is right by the job of
 //! the others. The job file has them, and `encode` follows the job in force: its couples carry the hash, and the judge takes no others.
-//!
-//! Each constant was halved and doubled for 31 sets of runs, simulated people of a drawn seed and motion capture. The jobs of others were 96 right
-//! and 102 faulty ones. [`SAME_PLACE_M`] halved misses 3 faults, `TOUCH_M` halved 7 and doubled 2. [`PUT_BACK_M`] halved accuses a right job and
-//! finds 4 faults fewer, [`PUT_DOWN_M`] halved finds one fewer. The others change one verdict at most.
 
 mod hold;
 mod joining;
@@ -31,19 +27,22 @@ use trajectory::{Tips, Trajectories};
 pub(super) use unsure::incidental;
 
 /// Two positions that are no farther apart are one place, in metres. They are of finger tips at a part, of a part at another one, or of a part that
-/// no hand has moved.
+/// no hand has moved. Halved or doubled, 16 or 8 of 70 jobs differ, and 3 or 2 faults fewer are found.
 pub(super) const SAME_PLACE_M: f32 = 0.03;
 
-/// What is put back lies where it lay before, and what dwells stays where it is, to this many metres.
+/// What is put back lies where it lay before, and what dwells stays where it is, to this many metres. Halved or doubled, 43 of 70 jobs differ, and 53
+/// or 24 faults fewer are found.
 pub(super) const PUT_BACK_M: f32 = 0.05;
 
-/// What has a place of its own is put down there as exactly as this, in metres. What is put down beside a part is not.
+/// What has a place of its own is put down there as exactly as this, in metres. What is put down beside a part is not. Halved or doubled, 51 or 52 of
+/// 70 jobs differ, and 4 or 7 faults fewer are found.
 pub(super) const PUT_DOWN_M: f32 = 0.01;
 
-/// A place that is learnt is no wider than this, in metres: a shelf is wider than the runs show.
+/// A place that is learnt is no wider than this, in metres: a shelf is wider than the runs show. Halved, 33 of 70 jobs differ, and 1 more fault is
+/// found. Doubled, 31 do, and 26 faults are called right instead of 13.
 const MAX_REGION_M: f32 = 0.1;
 
-/// How people in general differ in how near they come, in metres.
+/// How people in general differ in how near they come, in metres. Halved or doubled, 17 or 48 of 70 jobs differ, and 1 fault fewer is found.
 const PRIOR_M: f64 = 0.004;
 
 /// The objects of the runs, with where and how near they are met, and what is not sure of it.

@@ -5,7 +5,8 @@ use crate::teach::sequence::MIN_RUNS;
 use nalgebra::Vector3;
 
 /// The mean of directions that are the same, and of directions that have nothing in common. The length of the mean of unit vectors is 1 where all are
-/// alike. It is about one by the root of their number where none is.
+/// alike. It is about one by the root of their number where none is. With 0.9 or 0.975 none of 70 jobs differs, nor with 0.35 or 0.85: none has a
+/// round part. Without the first one 3 do. Without the second one 31 do, and 3 right runs fewer are accepted.
 const ALIGNED_MEAN: f32 = 0.95;
 const UNALIGNED_MEAN: f32 = 0.7;
 

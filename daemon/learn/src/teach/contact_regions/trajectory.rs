@@ -9,26 +9,33 @@ use andon_core::object::{ObjectShape, REACH_M};
 use andon_core::segment::MOVED_M;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-/// The time in which a move is looked for, in seconds: the frames in which a change is believed, by default.
+/// The time in which a move is looked for, in seconds: the frames in which a change is believed, by default. Halved, 30 of 70 jobs differ: 5 more
+/// right runs are accepted, and 1 fault fewer is found. Doubled, 31 do, and 1 more right run is accepted.
 const PERSIST_S: f64 = 1.0 / 6.0;
 
-/// An object dwells where it stays within [`PUT_BACK_M`] for this time, in seconds.
+/// An object dwells where it stays within [`PUT_BACK_M`] for this time, in seconds. Halved or doubled, 18 or 17 of 70 jobs differ: 3 right runs or 1
+/// fewer are accepted, and 3 or 2 faults fewer are found.
 const DWELL_S: f64 = 0.5;
 
-/// What leaves the place where it dwells and comes back this often makes strokes there. One time is that it comes.
+/// What leaves the place where it dwells and comes back this often makes strokes there. One time is that it comes. With two, 9 of 70 jobs differ: 2
+/// more right runs are accepted, and 1 fault fewer is found. With four, 7 do, and 1 more fault is found.
 const MIN_RETURNS: usize = 3;
 
-/// When it was carried there, in seconds before it began to dwell.
+/// When it was carried there, in seconds before it began to dwell. Either end halved, none of 70 jobs differs. The first one doubled, 1 does, and the
+/// second one 3: 2 more right runs are accepted, and 1 fault fewer is found.
 const CARRIED_S: std::ops::Range<f64> = -0.3..0.7;
 
-/// A pause in which an object that is carried does not move, in seconds.
+/// A pause in which an object that is carried does not move, in seconds. Halved, 9 of 70 jobs differ and no verdict. Doubled, 6 do, and one set
+/// teaches no job.
 const PAUSE_S: f64 = 1.0;
 
 /// Of two hands that move with an object, both hold it if the farther one does so in this share of the time. It must bring nothing of its own.
-/// Otherwise it passes by.
+/// Otherwise it passes by. With half of the time none of 70 jobs differs, and with all of it 1 does. If both held it always, 11 right runs fewer
+/// would be accepted, and 5 faults fewer found.
 const BOTH_HOLD: (usize, usize) = (3, 4);
 
-/// The nearer one holds it if it is the nearer one in this share of the time. The object is handed over, or both hold it.
+/// The nearer one holds it if it is the nearer one in this share of the time. The object is handed over, or both hold it. Halved or doubled, 1 of 70
+/// jobs differs; halved, 1 right run fewer is accepted.
 const ONE_HOLDS: (usize, usize) = (1, 4);
 
 pub(super) type Tips = [Point3<f32>; 3];

@@ -17,7 +17,8 @@ use andon_core::verdict::Measure;
 /// From a median absolute deviation to the standard deviation of a normal distribution.
 const DEVIATIONS_PER_MEDIAN: f64 = 1.4826;
 
-/// Fewer reversals than this are no strokes that are missing, but noise at the beginning or end of one.
+/// Fewer reversals than this are no strokes that are missing, but noise at the beginning or end of one. Halved or doubled, the reports on 6 or 2 of
+/// 70 sets differ.
 const MIN_REVERSALS: f64 = 4.0;
 
 /// A tracker that loses a part for a moment may add or hide as many reversals, as a share of those of the others. They are beside those that are
@@ -39,7 +40,8 @@ struct Comparison {
 
 /// All comparisons; what explains the others comes first. Durations of simulated people differ by 0.05 to 0.2 (standard deviation of the logarithm),
 /// and the reversals of six strokes by 0.03. Cycles are counted, so that fewer spreads are enough, and two that count alike to find a third. The
-/// noise is one reversal, and the five frames of a contact.
+/// noise is one reversal, and the five frames of a contact. Of 70 sets 5 or 1 have another report with half or twice the spreads of strokes, 25 or 3
+/// with those of durations. It is none with another minimum spread of strokes, and 10 or 3 of durations.
 const COMPARISONS: [Comparison; 2] = [
     Comparison { measure: Measure::Strokes, max_spreads: 3.2, min_runs: 3, min_spread: 0.08, noise: 1.0 },
     Comparison {
