@@ -12,7 +12,7 @@ pub const REACH_M: f32 = 0.3;
 
 /// The width of a hand, in metres. Nobody holds an object farther from where others do, or from where the station says. A shorter path has no
 /// direction, and nobody notices a way that is less straight by this. At this lateral deviation, ways differ half as much as if people differed only
-/// in how much they go round.
+/// in how much they go round. Halved or doubled, 6 or 2 of 975 runs of people are judged otherwise.
 pub const HAND_WIDTH_M: f32 = 0.1;
 
 /// What is known of an object before it is seen: its id and where it can be touched.

@@ -9,8 +9,9 @@ use crate::capacity::PERSIST_FRAMES;
 use crate::input::Point;
 use heapless::Vec;
 
-/// A movement shorter than this is none, in metres: above the noise of landmarks and markers, and below the strokes of a tool. What has been
-/// hidden or held and is no farther than this from where it was is where it was.
+/// A movement shorter than this is none, in metres: above the noise of landmarks and markers, and below the strokes of a tool. What has been hidden
+/// or held and is no farther than this from where it was is where it was. Halved, 9 fewer of 435 right runs of people are accepted, and doubled 4.
+/// Doubled, 11 fewer of 540 faults are found.
 pub const MOVED_M: f32 = 0.015;
 
 /// Whether what was at one of two places and is at the other one has moved.
@@ -25,7 +26,8 @@ const NOISE_BOUND_SIGMAS: f32 = 5.0;
 /// The variance of a third difference, as a multiple of that of a position: 1 + 9 + 9 + 1.
 const THIRD_DIFFERENCE_VARIANCE: f32 = 20.0;
 
-/// Squares of third differences are clipped at this multiple of their median: of errors one in 500 exceeds it.
+/// Squares of third differences are clipped at this multiple of their median: of errors one in 500 exceeds it. Halved or doubled, 1 or none of 975
+/// runs of people is judged otherwise.
 const CLIP_AT_MEDIANS: f32 = 9.0;
 
 /// Fewer third differences tell nothing: one position that is misread is in four.
@@ -49,6 +51,7 @@ const UNCERTAIN_FRAMES: f32 = 30.0;
 const MAX_DRIFT_M: f32 = 0.03;
 
 /// Squares of the drift are clipped at this multiple of their mean. In the plane one in 8,000 exceeds it, and so does a part that is moved unseen.
+/// Halved or doubled, none of 975 runs of people is judged otherwise.
 const CLIP_AT_MEANS: f32 = 9.0;
 
 /// The bound of how far apart jitter lets two positions of an object at rest seem, in metres. It is that of these `positions`, one per frame, `None`
