@@ -92,20 +92,21 @@ impl Browser {
 
     /// The value of a JavaScript expression.
     pub fn value(&mut self, tab: &Tab, expression: &str) -> Value {
-        let mut answer = self.evaluate(tab, expression);
+        let mut answer = self.evaluate(tab, expression).unwrap();
         assert!(answer.get("exceptionDetails").is_none(), "{expression}: {answer}");
         answer["result"]["value"].take()
     }
 
-    fn evaluate(&mut self, tab: &Tab, expression: &str) -> Value {
+    fn evaluate(&mut self, tab: &Tab, expression: &str) -> Result<Value, Value> {
         let asked = json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
-        self.ask(Some(tab), "Runtime.evaluate", asked)
+        self.try_to(Some(tab), "Runtime.evaluate", asked)
     }
 
     /// Waits until a JavaScript expression is true; panics with what the page shows after [`PATIENCE`]. While a page is loaded it may fail.
     pub fn until(&mut self, tab: &Tab, expression: &str) {
         let until = Instant::now() + PATIENCE;
-        while self.evaluate(tab, expression)["result"]["value"] != json!(true) {
+        // A page that goes answers with an error.
+        while !self.evaluate(tab, expression).is_ok_and(|answer| answer["result"]["value"] == json!(true)) {
             if Instant::now() > until {
                 panic!("waited in vain for {expression}: {}", self.value(tab, "document.body.innerText"));
             }
@@ -121,6 +122,11 @@ impl Browser {
 
     /// Sends a command and waits for its answer.
     fn ask(&mut self, tab: Option<&Tab>, method: &str, parameters: Value) -> Value {
+        self.try_to(tab, method, parameters).unwrap()
+    }
+
+    /// The same, or the error with which the browser answers.
+    fn try_to(&mut self, tab: Option<&Tab>, method: &str, parameters: Value) -> Result<Value, Value> {
         self.number += 1;
         let mut command = json!({"id": self.number, "method": method, "params": parameters});
         if let Some(Tab(session)) = tab {
@@ -132,8 +138,10 @@ impl Browser {
         loop {
             let mut answer = self.read();
             if answer["id"] == json!(self.number) {
-                assert!(answer.get("error").is_none(), "{command}: {answer}");
-                return answer["result"].take();
+                return match answer.get("error") {
+                    Some(_) => Err(json!([command, answer])),
+                    None => Ok(answer["result"].take()),
+                };
             }
         }
     }
