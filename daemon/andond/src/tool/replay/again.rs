@@ -113,7 +113,8 @@ fn tell(path: &Path, plan: &Plan, outcome: &Outcome, judged: &[Verdict], names: 
     if outcome.couples_differ > 0 {
         eprintln!(
             "{path}: {} of {} couples differ from those that were sent",
-            outcome.couples_differ, outcome.couples
+            outcome.couples_differ,
+            outcome.couples + outcome.couples_differ
         );
     }
     if judged.len() > equal && equal == sent.len() {
@@ -159,7 +160,10 @@ fn tell_looked(path: &impl Display, looked: &Looked) {
         ),
         (without_picture, "frames have no picture: what was detected in them then is judged"),
         (lost, "frames were looked at, and the recording does not say what was detected in them"),
-        (begins_in_the_middle, "times it begins in the middle of what `perceive` had seen"),
+        (
+            begins_in_the_middle,
+            "starts of `perceive` lack their first frames: what was seen in those is not in it",
+        ),
     ] {
         if count > 0 {
             eprintln!("{path}: {count} {words}");
