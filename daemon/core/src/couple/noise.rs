@@ -51,7 +51,7 @@ const UNCERTAIN_FRAMES: f32 = 30.0;
 const MAX_DRIFT_M: f32 = 0.03;
 
 /// Squares of the drift are clipped at this multiple of their mean. In the plane one in 8,000 exceeds it, and so does a part that is moved unseen.
-/// Halved or doubled, none of 975 runs of people is judged otherwise.
+/// Halved, doubled or without it, none of 975 runs of people is judged otherwise.
 const CLIP_AT_MEANS: f32 = 9.0;
 
 /// The bound of how far apart jitter lets two positions of an object at rest seem, in metres. It is that of these `positions`, one per frame, `None`

@@ -26,7 +26,7 @@ const COST_IN_RANGE: i32 = 22;
 /// Maximum scale for which such a cost stays below [`COST_CAP`].
 const MAX_SCALE: i32 = COST_CAP / COST_IN_RANGE;
 
-/// A relative error of a rounded cost that is small enough; the error of the distance is half of it.
+/// A relative error of a rounded cost that is small enough; the error of the distance is half of it. Halved or doubled, none of 70 jobs differs.
 const SUFFICIENT_ERROR: f64 = 1e-5;
 
 /// Direction bins that a motion's `i8` can hold.

