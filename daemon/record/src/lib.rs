@@ -16,6 +16,7 @@
 pub mod disk;
 pub mod index;
 pub mod picture;
+pub mod places;
 pub mod reader;
 pub mod recorder;
 mod repair;

@@ -87,7 +87,7 @@ impl PictureMaker {
     ) -> Result<Vec<u8>, PictureError> {
         let frame = view(header, colour)?;
         let (quality, is_whole) = (self.quality, !self.masks.hides());
-        if let Some(sent) = sent.filter(|sent| is_whole && size_of(sent).is_some()) {
+        if let Some(sent) = sent.filter(|sent| is_whole && size_of(sent).is_ok()) {
             return Ok(sent.to_vec());
         }
         let image = match readable(frame.format()) {
@@ -215,16 +215,17 @@ fn fill(picture: &mut Mat, polygon: &Vector<Point>, colour: Scalar) -> opencv::R
 /// # Errors
 /// As [`decode`].
 pub fn picture_in(message: &Entry) -> Result<Decoded, PictureError> {
-    decode(&jpeg_in(message)?)
+    decode(&jpeg_in(message.data.as_ref())?.0)
 }
 
-/// The file of the picture in a message of the topic [`crate::Topic::Picture`].
+/// The file of the picture in a message of the topic [`crate::Topic::Picture`], as it is, with its width and height. Nothing of it is decoded.
 ///
 /// # Errors
-/// That there is none.
-pub fn jpeg_in(message: &Entry) -> Result<Vec<u8>, PictureError> {
-    let image = CompressedImage::decode(message.data.as_ref()).map_err(|_| PictureError::NoJpeg)?;
-    Ok(image.data)
+/// Bytes that are no JPEG, and one that is too large.
+pub fn jpeg_in(message: &[u8]) -> Result<(Vec<u8>, [u32; 2]), PictureError> {
+    let image = CompressedImage::decode(message).map_err(|_| PictureError::NoJpeg)?;
+    let size = size_of(&image.data)?;
+    Ok((image.data, size))
 }
 
 /// A picture out of a recording.
@@ -232,10 +233,7 @@ pub fn jpeg_in(message: &Entry) -> Result<Vec<u8>, PictureError> {
 /// # Errors
 /// Bytes that are no JPEG, and one that is too large, before anything of it is decoded; then what OpenCV says.
 pub fn decode(jpeg: &[u8]) -> Result<Decoded, PictureError> {
-    let Some([width, height]) = size_of(jpeg) else { return Err(PictureError::NoJpeg) };
-    if width.max(height) > MAX_SIDE_PX {
-        return Err(PictureError::TooLarge { width, height });
-    }
+    size_of(jpeg)?;
     let decoded = imgcodecs::imdecode(&Vector::from_slice(jpeg), imgcodecs::IMREAD_COLOR)?;
     // Neither is negative, and what cannot be decoded has none.
     let (width, height) = (decoded.cols().max(0) as u32, decoded.rows().max(0) as u32);
@@ -249,13 +247,20 @@ pub fn message_of(jpeg: Vec<u8>, utc_ns: u64) -> Vec<u8> {
     CompressedImage { timestamp, data: jpeg, format: "jpeg".into(), frame_id }.encode_to_vec()
 }
 
-/// Columns and rows of a JPEG, by the library with which OpenCV decodes it as well, so that both find the same. `None` where it refuses what OpenCV only
-/// warns of, as stray bytes between segments or another version of JFIF: the recorder encodes such a picture of a camera. It does not refuse one without
-/// tables, as Motion JPEG allows, which not every other program reads: of that `capture` keeps nothing.
-fn size_of(jpeg: &[u8]) -> Option<[usize; 2]> {
-    let DecompressHeader { width, height, .. } = read_header(jpeg).ok()?;
+/// Columns and rows of a JPEG, by the library with which OpenCV decodes it as well, so that both find the same. It refuses what OpenCV only warns of, as
+/// stray bytes between segments or another version of JFIF: the recorder encodes such a picture of a camera. It does not refuse one without tables, as
+/// Motion JPEG allows, which not every other program reads: of that `capture` keeps nothing.
+fn size_of(jpeg: &[u8]) -> Result<[u32; 2], PictureError> {
+    let header = read_header(jpeg).ok();
     // One of tables alone has no columns.
-    (width > 0).then_some([width, height])
+    let Some(DecompressHeader { width, height, .. }) = header.filter(|header| header.width > 0) else {
+        return Err(PictureError::NoJpeg);
+    };
+    match width.max(height) > MAX_SIDE_PX {
+        true => Err(PictureError::TooLarge { width, height }),
+        // Both are far below 2^32.
+        false => Ok([width as u32, height as u32]),
+    }
 }
 
 /// A picture of blue, green and red as a file.

@@ -4,7 +4,7 @@
 use andon_ipc::Channel;
 use andon_record::{
     Attachment, End, Entry, Item, ReadError, RecordingReader, RecordingWriter, Repaired, Topic, index::Index,
-    repair,
+    places::places, repair,
 };
 use shm_schemas::{Detections, Verdict, VerdictLevel, VerdictOutcome, bytes_of};
 use std::collections::BTreeMap;
@@ -78,6 +78,78 @@ fn the_times_of_a_file_are_utc_whatever_the_clock_of_its_messages_is() {
     let (items, _) = read(&writer.finish().unwrap().into_inner()).unwrap();
     let [Item::Entry(read)] = items.as_slice() else { panic!("{items:?}") };
     assert_eq!((read.time_ns, read.sent_ns), (1005 * SECOND - 1, 1005 * SECOND));
+}
+
+#[test]
+fn single_messages_are_found_by_their_times_and_read_without_the_rest_also_where_the_file_is_cut() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let items = items(10);
+    let bytes = write(&items);
+    let topics = [Topic::Picture, Topic::Raw(Channel::Verdict)];
+    let of = |times: std::ops::RangeInclusive<u64>| -> Vec<Entry> {
+        let entries = items.iter().filter_map(|item| match item {
+            Item::Entry(entry) => Some(entry.clone()),
+            Item::Attachment(_) => None,
+        });
+        entries.filter(|entry| topics.contains(&entry.topic) && times.contains(&entry.time_ns)).collect()
+    };
+    let found = |times: &std::ops::RangeInclusive<u64>, most| {
+        let file = File::open(&path).unwrap();
+        let places = places(&path, &topics, times, most).unwrap();
+        places
+            .iter()
+            .map(|place| (place.topic, place.time_ns, place.read(&file).unwrap()))
+            .collect::<Vec<_>>()
+    };
+    let told = |entries: &[Entry]| -> Vec<_> {
+        entries.iter().map(|entry| (entry.topic, entry.time_ns, entry.data.to_vec())).collect()
+    };
+    std::fs::write(&path, &bytes).unwrap();
+    for times in [0..=u64::MAX, 3 * SECOND..=5 * SECOND, 0..=SECOND, 90 * SECOND..=99 * SECOND] {
+        assert_eq!(found(&times, 1000), told(&of(times.clone())), "{times:?}");
+    }
+    assert_eq!(found(&(0..=u64::MAX), 7).len(), 7);
+    let all = told(&of(0..=u64::MAX));
+    let mut longest = 0;
+    for end in (100..bytes.len()).step_by(9973) {
+        std::fs::write(&path, &bytes[..end]).unwrap();
+        match places(&path, &topics, &(0..=u64::MAX), 1000) {
+            Ok(places) => {
+                assert!(places.len() >= longest && places.len() <= all.len(), "{end}");
+                longest = places.len();
+                let file = File::open(&path).unwrap();
+                assert!(places.iter().all(|place| place.read(&file).is_ok()), "{end}");
+            }
+            Err(error) => assert!(matches!(error, ReadError::Cut { .. }), "{end}: {error}"),
+        }
+    }
+    assert!(longest + 12 > all.len(), "{longest} of {}", all.len());
+    std::fs::write(&path, b"no recording").unwrap();
+    assert!(matches!(places(&path, &topics, &(0..=1), 1), Err(ReadError::NotMcap { .. })));
+}
+
+#[test]
+fn bytes_that_were_changed_lead_to_no_panic_and_claim_no_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let bytes = write(&items(2));
+    for place in (0..bytes.len()).step_by(bytes.len() / 400) {
+        let mut changed = bytes.clone();
+        for byte in &mut changed[place..(place + 4).min(bytes.len())] {
+            *byte = 0xff;
+        }
+        std::fs::write(&path, &changed).unwrap();
+        if let Ok(places) = places(&path, &[Topic::Picture], &(0..=u64::MAX), 1000) {
+            let file = File::open(&path).unwrap();
+            let read = places
+                .iter()
+                .filter_map(|place| place.read(&file).ok())
+                .map(|bytes| bytes.len())
+                .sum::<usize>();
+            assert!(read <= bytes.len(), "{place}");
+        }
+    }
 }
 
 #[test]

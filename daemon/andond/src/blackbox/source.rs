@@ -300,9 +300,9 @@ fn header(config: &Config) -> Header {
 
 /// A picture of a recording, and how many bytes its file has; none where it is damaged. One that is too large is not tried.
 fn decoded(path: &Path, message: &Entry) -> Result<(Option<Decoded>, usize), BlackboxError> {
-    let Ok(jpeg) = jpeg_in(message) else { return Ok((None, 0)) };
-    match decode(&jpeg) {
-        Ok(picture) => Ok((Some(picture).filter(|picture| picture.width > 0), jpeg.len())),
+    let found = jpeg_in(message.data.as_ref()).and_then(|(jpeg, _)| Ok((decode(&jpeg)?, jpeg.len())));
+    match found {
+        Ok((picture, bytes)) => Ok((Some(picture).filter(|picture| picture.width > 0), bytes)),
         Err(source @ PictureError::TooLarge { .. }) => {
             Err(BlackboxError::Picture { path: path.into(), source })
         }
