@@ -1,21 +1,29 @@
 //! The address of a page: which page, in which language, which events. Every link keeps what it does not change.
 
+use shm_schemas::MessageId;
+
 /// A page for people.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) enum Page {
     #[default]
     Worker,
     Technician,
+    /// One event, which `at` names.
+    Event,
+    /// What the codes of messages mean.
+    Explain,
 }
 
 impl Page {
-    const ALL: [Self; 2] = [Self::Worker, Self::Technician];
+    const ALL: [Self; 4] = [Self::Worker, Self::Technician, Self::Event, Self::Explain];
 
     /// Where it is.
     pub(crate) const fn path(self) -> &'static str {
         match self {
             Self::Worker => "/",
             Self::Technician => "/technician",
+            Self::Event => "/technician/event",
+            Self::Explain => "/technician/explain",
         }
     }
 
@@ -23,6 +31,8 @@ impl Page {
         match self {
             Self::Worker => "worker",
             Self::Technician => "technician",
+            Self::Event => "event",
+            Self::Explain => "explain",
         }
     }
 
@@ -42,15 +52,24 @@ pub(crate) struct Address {
     pub(crate) fault: String,
     /// The event that the list begins with; without it the newest.
     pub(crate) at: String,
+    /// The number of a picture of the event's film; without it the one that was decided on.
+    pub(crate) frame: String,
+    /// The number of a code of the log.
+    pub(crate) code: String,
     /// Whether the reader may say that a verdict was right. No query says so.
     pub(crate) may_confirm: bool,
+}
+
+/// What an event is called in addresses.
+pub(crate) fn event_name(MessageId { epoch, seq }: MessageId) -> String {
+    format!("{epoch}-{seq}")
 }
 
 /// No language, fault or event has a longer name. Every row of a list repeats the values in its link.
 const LONGEST: usize = 64;
 
 /// What values are made of; any other value is ignored.
-fn is_plain(value: &str) -> bool {
+pub(crate) fn is_plain(value: &str) -> bool {
     value.len() <= LONGEST && value.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"._-".contains(&byte))
 }
 
@@ -62,6 +81,8 @@ impl Address {
                 "lang" => &mut address.lang,
                 "fault" => &mut address.fault,
                 "at" => &mut address.at,
+                "frame" => &mut address.frame,
+                "code" => &mut address.code,
                 _ => continue,
             };
             if is_plain(value) {
@@ -115,8 +136,24 @@ impl Address {
     }
 
     fn said(&self) -> impl Iterator<Item = (&'static str, &str)> {
-        let pairs = [("lang", self.lang.as_str()), ("fault", &self.fault), ("at", &self.at)];
+        let pairs = [
+            ("lang", self.lang.as_str()),
+            ("fault", &self.fault),
+            ("at", &self.at),
+            ("frame", &self.frame),
+            ("code", &self.code),
+        ];
         pairs.into_iter().filter(|(_, value)| !value.is_empty())
+    }
+
+    /// A picture of the event's film.
+    pub(crate) fn picture(&self) -> String {
+        format!("/technician/film/frame.svg{}", self.query('?'))
+    }
+
+    /// The same language and events on another page.
+    pub(crate) fn on(&self, page: Page) -> Self {
+        Self { page, frame: String::new(), code: String::new(), ..self.clone() }
     }
 
     fn query(&self, first: char) -> String {

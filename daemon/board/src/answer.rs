@@ -2,17 +2,22 @@
 
 use andon_http::{Request, Response};
 
-use crate::access::{Login, Logins, Needs, Place, Rank, Refused, Tried, Try, Visitor};
-use crate::address::{Address, Page};
+use crate::access::{FILM, Login, Logins, Needs, Place, Rank, Refused, Tried, Try, Visitor};
+use crate::address::{Address, Page, is_plain};
 use crate::board::Board;
 use crate::confirm::{Asked, Kept, Was};
+use crate::film::Wanted;
 use crate::form::Form;
 use crate::page;
 use crate::watchers::AGAIN;
 
-const HTML: &str = "text/html; charset=utf-8";
+pub(crate) const HTML: &str = "text/html; charset=utf-8";
+pub(crate) const SVG: &str = "image/svg+xml";
+const JAVASCRIPT: &str = "text/javascript; charset=utf-8";
+
 const STYLE: &str = include_str!("page/board.css");
 const SCRIPT: &str = include_str!("page/board.js");
+const PLAYER: &str = include_str!("page/player.js");
 
 /// Nothing comes from anywhere else, nothing of it goes to another site, and no browser keeps it. A browser says where a form comes from only where
 /// the policy of the referrer lets it say so to the board itself.
@@ -73,7 +78,9 @@ impl Board {
             Place::Events(_) => self.watch(&request.query, visitor),
             Place::Picture if self.settings.picture => self.view(&request.query),
             Place::Style => Response::ok("text/css; charset=utf-8", STYLE),
-            Place::Script => Response::ok("text/javascript; charset=utf-8", SCRIPT),
+            Place::Script => Response::ok(JAVASCRIPT, SCRIPT),
+            Place::Player => Response::ok(JAVASCRIPT, PLAYER),
+            Place::Film => self.of_film(request, visitor),
             Place::LogIn => self.login_page(&Address::of_login(&request.query), None, 200),
             Place::Kiosk => self.kiosk(request),
             Place::Picture | Place::LogOut | Place::Confirm => {
@@ -137,7 +144,34 @@ impl Board {
             self.asked_ns = Some(self.now_ns);
         }
         let address = address.clone().for_visitor(visitor);
-        Response::ok(HTML, page::whole(self, &address, visitor))
+        if address.page == Page::Event
+            && self.settings.picture
+            && let Some(event) = self.event(&address.at).copied()
+        {
+            return self.asks.add(Wanted::Film, &event, address, visitor);
+        }
+        Response::ok(HTML, page::whole(self, &address, visitor, None))
+    }
+
+    /// What a disk has of an event. A recording is kept as a file, under the last name of its path.
+    fn of_film(&mut self, request: &Request, visitor: &Visitor) -> Response {
+        let address = Address::new(Page::Event, &request.query).for_visitor(visitor);
+        let event = self.event(&address.at).filter(|_| self.settings.picture).copied();
+        let wanted = match request.path.strip_prefix(FILM) {
+            Some("frame.svg") => address.frame.parse().ok().map(Wanted::Frame),
+            Some("still.jpg") => Some(Wanted::Still),
+            Some(name) if is_plain(name) => Some(Wanted::Recording(name.to_owned())),
+            _ => None,
+        };
+        let Some((wanted, event)) = wanted.zip(event) else {
+            return Response::text(404, "the board knows no such event, or shows no pictures\n");
+        };
+        let is_file = matches!(wanted, Wanted::Recording(_));
+        let response = self.asks.add(wanted, &event, address, visitor);
+        match is_file {
+            true => response.with_own("content-disposition", "attachment".to_owned()),
+            false => response,
+        }
     }
 
     fn login_page(&self, address: &Address, why: Option<(&str, String)>, status: u16) -> Response {
@@ -159,7 +193,7 @@ impl Board {
         if !self.viewers.have_room() {
             return Response::text(503, "as many browsers wait for a picture as can be served\n");
         }
-        let (response, feed) = Response::feed("image/svg+xml");
+        let (response, feed) = Response::feed(SVG);
         self.viewers.add(feed, Address::new(Page::Technician, query), self.now_ns);
         response
     }

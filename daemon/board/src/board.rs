@@ -6,9 +6,11 @@ use std::net::IpAddr;
 use shm_schemas::{Health, JudgePhase, Judging, MessageId, RoleId, Verdict, VerdictLevel};
 
 use crate::access::Access;
-use crate::address::{Address, Page};
+use crate::address::{Address, Page, event_name};
 use crate::clips::Clips;
+use crate::code::Code;
 use crate::confirm::{Asked, Confirmations, Was};
+use crate::film::Asks;
 use crate::guard::Guard;
 use crate::job::Job;
 use crate::line::Line;
@@ -49,8 +51,10 @@ pub struct Settings {
     pub picture: bool,
     /// The roles of the station, in the order of the data path.
     pub roles: Vec<RoleId>,
-    /// The meaning of a code of the log.
-    pub meaning: fn(u32) -> Option<&'static str>,
+    /// The codes of the log, in the order of their numbers.
+    pub codes: Vec<Code>,
+    /// The number of the code that belongs to a verdict, if there is one.
+    pub code_of: fn(&Verdict) -> Option<u32>,
     /// A time as people there read it, from nanoseconds since 1970 UTC.
     pub local_time: fn(u64) -> String,
 }
@@ -88,6 +92,7 @@ pub struct Board {
     /// The newest health of each role.
     pub(crate) healths: Vec<Health>,
     pub(crate) clips: Clips,
+    pub(crate) asks: Asks,
     pub(crate) watchers: Watchers,
     pub(crate) viewers: Viewers,
     /// Changes with whatever a page may show.
@@ -119,6 +124,7 @@ impl Board {
             events: VecDeque::with_capacity(EVENTS),
             healths: Vec::new(),
             clips: Clips::default(),
+            asks: Asks::default(),
             watchers: Watchers::default(),
             viewers: Viewers::default(),
             version: 0,
@@ -234,6 +240,11 @@ impl Board {
     pub fn picture(&mut self, picture: &Picture) {
         let viewers = std::mem::take(&mut self.viewers);
         viewers.show(|address| page::drawn(self, address, picture));
+    }
+
+    /// The event of this name.
+    pub(crate) fn event(&self, name: &str) -> Option<&Verdict> {
+        self.events.iter().find(|event| event_name(event.stamp.id()) == name)
     }
 
     /// Sends the browsers what has changed. The time is that of CLOCK_MONOTONIC.

@@ -1,20 +1,20 @@
 //! Which verdicts have a clip.
 
-use std::collections::HashMap;
+use std::collections::HashSet;
 
 use shm_schemas::MessageId;
 
-/// The clips by the verdicts that they show.
+/// The verdicts that clips show.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Clips(HashMap<MessageId, String>);
+pub struct Clips(HashSet<MessageId>);
 
 impl Clips {
-    /// The verdicts and the names of their clips.
-    pub fn new(clips: impl IntoIterator<Item = (MessageId, String)>) -> Self {
-        Self(clips.into_iter().collect())
+    /// These.
+    pub fn new(shown: impl IntoIterator<Item = MessageId>) -> Self {
+        Self(shown.into_iter().collect())
     }
 
-    pub(crate) fn of(&self, verdict: MessageId) -> Option<&str> {
-        self.0.get(&verdict).map(String::as_str)
+    pub(crate) fn show(&self, verdict: MessageId) -> bool {
+        self.0.contains(&verdict)
     }
 }

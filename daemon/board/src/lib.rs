@@ -10,7 +10,7 @@
 //! - GET and HEAD change nothing. A form is taken from a page of the board alone: `Origin` says so, and a token of its session that no other site can
 //!   read. What it asks for is a command to the line, which the role sends; the board itself writes nothing.
 //! - A session is a random token in a cookie that no script reads and no other site sends. The board keeps its hash.
-//! - A path is compared with known ones and never becomes a file name.
+//! - A path is compared with known ones and never becomes a file name. The name of a recording is text that is compared with the names of those there are.
 //! - Of a query only letters, digits, dots, dashes and underscores are read ([`address`]).
 //! - What stands on a page is either a constant of this crate or escaped: [`html::Html`] takes nothing else.
 //! - A page of another site cannot read it by a trick of its DNS ([`guard`]), cannot load or frame a part of it, and runs no script on it.
@@ -21,7 +21,9 @@ mod address;
 mod answer;
 mod board;
 mod clips;
+mod code;
 mod confirm;
+mod film;
 mod form;
 mod guard;
 mod html;
@@ -43,7 +45,9 @@ mod words;
 pub use access::{Login, Logins, LoginsError, MAX_NAME, Rank, Tried, Try};
 pub use board::{Board, Past, Settings};
 pub use clips::Clips;
+pub use code::Code;
 pub use confirm::{Asked, Kept, Was};
+pub use film::{Ask, Film, NoFilm, Wanted};
 pub use inbox::{Inbox, Said};
 pub use job::{Job, Step};
 pub use line::{Line, Stop};

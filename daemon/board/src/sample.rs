@@ -20,7 +20,8 @@ pub(crate) fn settings() -> Settings {
         language: "en".to_owned(),
         picture: true,
         roles: Vec::new(),
-        meaning: |_| None,
+        codes: Vec::new(),
+        code_of: |_| None,
         local_time: |utc_ns| utc_ns.to_string(),
     }
 }

@@ -1,6 +1,6 @@
 //! Hostile requests, and browsers that watch beside them.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{Ipv4Addr, TcpStream};
@@ -8,8 +8,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{LazyLock, Mutex};
 use std::time::{Duration, Instant};
 
-use andon_board::{Board, Job, Line, Picture, Settings, Step, Tables, Thing, Visibility, What};
-use andon_http::Server;
+use andon_board::{
+    Board, Code, Film, Job, Line, Picture, Settings, Step, Tables, Thing, Visibility, Wanted, What,
+};
+use andon_http::{Response, Server};
 use shm_schemas::{
     JudgePhase, Judging, PartId, RoleId, Verdict, VerdictLevel, VerdictOutcome, VerdictReason,
 };
@@ -37,7 +39,14 @@ fn settings(port: u16) -> Settings {
         language: "en".to_owned(),
         picture: true,
         roles: vec![RoleId::Judge],
-        meaning: |_| None,
+        codes: vec![Code {
+            number: 307,
+            name: "AND-307",
+            group: "Judging",
+            meaning: "not judged",
+            ..Code::default()
+        }],
+        code_of: |_| Some(307),
         local_time: |_| MARKUP.to_owned(),
     }
 }
@@ -134,7 +143,15 @@ fn a_browser_that_calls_the_board_by_another_name_reads_nothing() {
         for host in
             ["evil.example", &format!("evil.example:{port}"), "127.0.0.1", "", &format!("0.0.0.0:{port}")]
         {
-            for path in ["/", "/technician", "/events", "/board.js"] {
+            for path in [
+                "/",
+                "/technician",
+                "/technician/event",
+                "/technician/explain",
+                "/technician/film/still.jpg",
+                "/events",
+                "/board.js",
+            ] {
                 let answer = sent(port, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
                 assert!(
                     answer.starts_with("HTTP/1.1 421 ") && !answer.contains("<html"),
@@ -157,7 +174,15 @@ fn a_page_of_another_site_loads_nothing_and_a_link_of_it_leads_here() {
         let asked = |path: &str, fetch: &str| {
             sent(port, format!("GET {path} HTTP/1.1\r\nHost: localhost:{port}\r\n{fetch}\r\n").as_bytes())
         };
-        for path in ["/", "/technician", "/events", "/board.js"] {
+        for path in [
+            "/",
+            "/technician",
+            "/technician/event",
+            "/technician/explain",
+            "/technician/film/still.jpg",
+            "/events",
+            "/board.js",
+        ] {
             for fetch in [
                 "Sec-Fetch-Site: cross-site\r\n",
                 "Sec-Fetch-Site: same-site\r\nSec-Fetch-Mode: no-cors\r\nSec-Fetch-Dest: script\r\n",
@@ -194,6 +219,13 @@ fn no_path_leads_to_a_file() {
             "/technician/",
             "/favicon.ico",
             "/.git/config",
+            "/technician/film/",
+            "/technician/film/../../etc/passwd?at=0-0",
+            "/technician/film/%2e%2e%2fetc%2fpasswd?at=0-0",
+            "/technician/film/frame.svg?at=0-0&frame=-1",
+            "/technician/film/frame.svg?at=0-0&frame=99999999999999999999999",
+            "/technician/film/still.jpg?at=7-7",
+            "/technician/film/one.mcap",
         ] {
             let answer = get(port, path);
             assert!(
@@ -251,15 +283,20 @@ fn names_that_are_markup_and_queries_that_are_markup_are_text_on_every_page() {
             "?fault=%22%3E%3Cscript%3E",
             "?at=\"><script>",
             "?lang=<script>",
+            "?code=307",
+            "?code=\"><script>",
+            "?at=9-9",
         ];
-        for path in ["/", "/technician"] {
+        for path in ["/", "/technician", "/technician/event", "/technician/explain"] {
             for query in queries {
                 let answer = get(port, &format!("{path}{query}"));
                 let (head, page) = answer.split_once("\r\n\r\n").unwrap();
                 // Hyper refuses some of these by itself.
                 assert!(head.starts_with("HTTP/1.1 200 ") || head.starts_with("HTTP/1.1 400 "), "{answer}");
                 let scripts = page.matches("<script").count();
-                assert!(scripts <= 1 && !page.contains("<img src=x"), "{path}{query}: {page}");
+                // An event has a film as well.
+                let most = if path == "/technician/event" { 2 } else { 1 };
+                assert!(scripts <= most && !page.contains("<img src=x"), "{path}{query}: {page}");
             }
         }
         let page = get(port, "/technician");
@@ -300,9 +337,86 @@ fn names_that_are_markup_are_text_in_the_picture_and_whoever_waits_in_vain_is_le
 }
 
 #[test]
+fn an_event_is_a_page_whatever_its_names_are_and_a_recording_is_asked_for_by_a_name_that_is_text() {
+    served(|port, board| {
+        let asks = |paths: &[&str], answer: &dyn Fn(&Board, andon_board::Ask)| -> Vec<String> {
+            std::thread::scope(|scope| {
+                let asked: Vec<_> = paths.iter().map(|path| scope.spawn(move || get(port, path))).collect();
+                let (mut count, deadline) = (0, Instant::now() + PATIENCE);
+                while count < paths.len() {
+                    assert!(Instant::now() < deadline, "{count} have asked");
+                    let mut board = board.lock().unwrap();
+                    for ask in board.asks() {
+                        count += 1;
+                        answer(&board, ask);
+                    }
+                    drop(board);
+                    std::thread::sleep(Duration::from_millis(5));
+                }
+                asked.into_iter().map(|asked| asked.join().unwrap()).collect()
+            })
+        };
+        let film = Film { clip: MARKUP.to_owned(), times_ms: vec![-5, 0, 5], has_still: true };
+        let pages = asks(
+            &["/technician/event?at=0-0", "/technician/event?at=0-0&frame=%22&lang=%3C"],
+            &|board, ask| {
+                assert_eq!(ask.wanted, Wanted::Film);
+                board.film(ask, &Ok(film.clone()));
+            },
+        );
+        for page in pages {
+            assert!(page.starts_with("HTTP/1.1 200 ") && page.contains("default-src 'none'"), "{page}");
+            assert_eq!(page.matches("<script").count(), 2, "{page}");
+            assert!(page.contains("film/&quot;&gt;&lt;script&gt;") && !page.contains("<img src=x"), "{page}");
+        }
+        let [recording] = &asks(&["/technician/film/..passwd?at=0-0"], &|_, ask| {
+            assert_eq!(ask.wanted, Wanted::Recording("..passwd".to_owned()));
+            ask.answer(Response::text(404, "there is none\n"));
+        })[..] else {
+            panic!("one was asked for")
+        };
+        assert!(recording.starts_with("HTTP/1.1 404 ") && recording.contains("nosniff"), "{recording}");
+        // Nobody answers, and the browser is told so.
+        let [left] = &asks(&["/technician/film/still.jpg?at=0-0"], &|_, ask| drop(ask))[..] else {
+            panic!("one was asked for")
+        };
+        assert!(left.starts_with("HTTP/1.1 503 "), "{left}");
+    });
+}
+
+#[test]
+fn more_who_wait_for_clips_than_can_be_served_are_told_so() {
+    served(|port, _| {
+        let mut waiting: Vec<TcpStream> = (0..40).map(|_| connect(port)).collect();
+        for client in &mut waiting {
+            let request = format!(
+                "GET /technician/film/frame.svg?at=0-0&frame=1 HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n"
+            );
+            client.write_all(request.as_bytes()).unwrap();
+        }
+        let refused = waiting.into_iter().filter(|client| {
+            let mut first = String::new();
+            BufReader::new(client).read_line(&mut first).unwrap();
+            assert!(first.starts_with("HTTP/1.1 503 "), "{first}");
+            first.contains("503")
+        });
+        assert_eq!(refused.count(), 40, "nobody answers, or there are too many");
+        assert!(get(port, "/").starts_with("HTTP/1.1 200 "));
+    });
+}
+
+#[test]
 fn every_answer_forbids_whatever_the_pages_do_not_need() {
     served(|port, _| {
-        for path in ["/", "/technician?lang=fr", "/board.css", "/board.js", "/nothing"] {
+        for path in [
+            "/",
+            "/technician?lang=fr",
+            "/technician/explain",
+            "/board.css",
+            "/board.js",
+            "/player.js",
+            "/nothing",
+        ] {
             let answer = get(port, path);
             for header in [
                 "content-security-policy: default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; ",

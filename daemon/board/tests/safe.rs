@@ -3,193 +3,30 @@
 #![allow(clippy::unwrap_used)]
 
 mod answer;
+mod plant;
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{Ipv4Addr, TcpStream};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use andon_board::{Asked, Board, Kept, Logins, Rank, Settings, Tables, Was};
-use andon_http::{Offer, Server};
+use andon_board::{Kept, Rank, Was};
 use answer::{cookie, header, status};
-use shm_schemas::{Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
+use plant::{PATIENCE, Plant, fault, served, served_at};
 
-/// Only a failing test waits for so long.
-const PATIENCE: Duration = Duration::from_secs(60);
-
-const PASSWORD: &str = "correct horse";
-const SECOND_NS: u64 = 1_000_000_000;
-
-/// A board that is reached from a network, beside its loop.
-struct Plant {
-    port: u16,
-    /// CLOCK_MONOTONIC of the board.
-    now_ns: AtomicU64,
-    logins: Mutex<Logins>,
-    asked: Mutex<Vec<Asked>>,
-    board: Mutex<Board>,
-    is_over: AtomicBool,
-}
-
-fn settings(port: u16, bind: Ipv4Addr) -> Settings {
-    Settings {
-        station: "bench1".to_owned(),
-        bind: bind.into(),
-        port,
-        hosts: Vec::new(),
-        is_secure: false,
-        tables: Tables::shipped(),
-        language: "en".to_owned(),
-        picture: true,
-        roles: Vec::new(),
-        meaning: |_| None,
-        local_time: |utc_ns| utc_ns.to_string(),
-    }
-}
-
-/// Runs a test beside a board that listens on this address; what is tried is over the loopback address all the same.
-fn served_at(bind: Ipv4Addr, test: impl FnOnce(&Plant)) {
-    let offer = Offer { takes_forms: true, tls: None };
-    let server = Server::bind_with((Ipv4Addr::LOCALHOST, 0).into(), offer).unwrap();
-    let port = server.address().port();
-    let mut board = Board::new(settings(port, bind));
-    board.verdict(&fault(4));
-    let plant = Plant {
-        port,
-        now_ns: AtomicU64::new(SECOND_NS),
-        logins: Mutex::default(),
-        asked: Mutex::default(),
-        board: Mutex::new(board),
-        is_over: AtomicBool::new(false),
-    };
-    for rank in Rank::ALL {
-        plant.logins.lock().unwrap().add(rank.name(), rank, PASSWORD).unwrap();
-    }
-    plant.tell_logins();
-    std::thread::scope(|scope| {
-        scope.spawn(|| {
-            while !plant.is_over.load(Ordering::Relaxed) {
-                plant.turn(&server);
-                std::thread::sleep(Duration::from_millis(2));
-            }
-        });
-        let tested = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| test(&plant)));
-        plant.is_over.store(true, Ordering::Relaxed);
-        tested.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-    });
-}
-
-/// On a network.
-fn served(test: impl FnOnce(&Plant)) {
-    served_at(Ipv4Addr::new(10, 0, 0, 7), test);
-}
-
-fn fault(seq: u64) -> Verdict {
-    let mut verdict = Verdict {
-        level: VerdictLevel::Iu.code(),
-        outcome: VerdictOutcome::Anomaly.code(),
-        reason: VerdictReason::WrongObject.code(),
-        ..Verdict::NONE
-    };
-    (verdict.stamp.epoch, verdict.stamp.seq) = (17, seq);
-    verdict
-}
-
-impl Plant {
-    fn turn(&self, server: &Server) {
-        let mut board = self.board.lock().unwrap();
-        board.publish(self.now_ns.load(Ordering::Relaxed));
-        for of in board.take_tries() {
-            let login = self.logins.lock().unwrap().find(&of.name, &of.password);
-            board.compared(of.number, login);
-        }
-        for asked in board.take_asked() {
-            self.asked.lock().unwrap().push(asked);
-        }
-        server.serve(|request| board.answer(request));
-    }
-
-    fn tell_logins(&self) {
-        self.board.lock().unwrap().logins(self.logins.lock().unwrap().clone());
-    }
-
-    /// Lets time pass. Every request from now on is answered after it.
-    fn pass(&self, seconds: u64) {
-        let mut board = self.board.lock().unwrap();
-        let before_ns = self.now_ns.fetch_add(seconds * SECOND_NS, Ordering::Relaxed);
-        board.publish(before_ns + seconds * SECOND_NS);
-    }
-
-    fn connect(&self) -> TcpStream {
-        let stream = TcpStream::connect((Ipv4Addr::LOCALHOST, self.port)).unwrap();
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
-        stream
-    }
-
-    fn sent(&self, request: &str) -> String {
-        let mut stream = self.connect();
-        let _ = stream.write_all(request.as_bytes());
-        let mut answer = Vec::new();
-        let _ = stream.read_to_end(&mut answer);
-        String::from_utf8_lossy(&answer).into_owned()
-    }
-
-    /// Gets an address with this cookie.
-    fn get(&self, target: &str, cookie: &str) -> String {
-        self.sent(&format!(
-            "GET {target} HTTP/1.1\r\nHost: localhost:{}\r\nCookie: {cookie}\r\n\r\n",
-            self.port
-        ))
-    }
-
-    /// Sends a form as a page of the board does.
-    fn post(&self, target: &str, cookie: &str, form: &str) -> String {
-        let origin = format!("Origin: http://localhost:{}\r\nSec-Fetch-Site: same-origin\r\n", self.port);
-        self.post_from(target, cookie, &origin, form)
-    }
-
-    fn post_from(&self, target: &str, cookie: &str, origin: &str, form: &str) -> String {
-        self.sent(&format!(
-            "POST {target} HTTP/1.1\r\nHost: localhost:{}\r\nCookie: {cookie}\r\n{origin}Content-Type: \
-             application/x-www-form-urlencoded\r\nContent-Length: {}\r\n\r\n{form}",
-            self.port,
-            form.len()
-        ))
-    }
-
-    fn log_in(&self, name: &str, cookie: &str) -> String {
-        self.post("/login", cookie, &format!("name={name}&password=correct+horse&to=technician"))
-    }
-
-    /// The cookie of a new session.
-    fn session(&self, name: &str) -> String {
-        let answer = self.log_in(name, "");
-        assert_eq!(status(&answer), 303, "{answer}");
-        cookie(&answer)
-    }
-
-    /// The token that the forms of a session have.
-    fn csrf(&self, session: &str) -> String {
-        let page = self.get("/", session);
-        let from =
-            page.split_once("name=\"csrf\" value=\"").unwrap_or_else(|| unreachable!("no token in {page}")).1;
-        from.split('"').next().unwrap().to_owned()
-    }
-
-    fn asked(&self) -> usize {
-        self.asked.lock().unwrap().len()
-    }
-}
-
-const ADDRESSES: [&str; 11] = [
+const ADDRESSES: [&str; 17] = [
     "/",
     "/technician",
+    "/technician/event?at=17-4",
+    "/technician/explain",
+    "/technician/film/still.jpg?at=17-4",
+    "/technician/film/one.mcap?at=17-4",
     "/events?view=worker",
     "/events?view=technician",
+    "/events?view=event",
     "/picture.svg",
     "/board.css",
     "/board.js",
+    "/player.js",
     "/login",
     "/kiosk",
     "/logout",
@@ -227,9 +64,16 @@ fn each_rank_gets_what_the_table_says_and_nothing_else() {
         for (address, expected) in ADDRESSES.into_iter().zip([
             [303, 200, 200, 200, 200],
             [303, 403, 403, 200, 200],
+            [303, 403, 403, 200, 200],
+            [303, 403, 403, 200, 200],
+            // There is none.
+            [401, 401, 401, 404, 404],
+            [401, 401, 401, 404, 404],
+            [200, 200, 200, 200, 200],
             [200, 200, 200, 200, 200],
             [200, 200, 200, 200, 200],
             [401, 401, 401, 200, 200],
+            [200, 200, 200, 200, 200],
             [200, 200, 200, 200, 200],
             [200, 200, 200, 200, 200],
             [200, 200, 200, 200, 200],
@@ -242,7 +86,9 @@ fn each_rank_gets_what_the_table_says_and_nothing_else() {
                 assert_eq!(status, expected, "{address} of {asker}");
                 let may_watch = match address {
                     "/events?view=worker" => !asker.is_empty(),
-                    "/events?view=technician" => [&technician[..], &engineer].contains(asker),
+                    "/events?view=technician" | "/events?view=event" => {
+                        [&technician[..], &engineer].contains(asker)
+                    }
                     _ => continue,
                 };
                 assert_eq!(
@@ -253,11 +99,17 @@ fn each_rank_gets_what_the_table_says_and_nothing_else() {
             }
         }
         // What shows nothing of the station is the same for all.
-        for address in ["/login", "/board.css", "/board.js"] {
+        for address in ["/login", "/board.css", "/board.js", "/player.js"] {
             let answer = plant.get(address, "");
             assert!(!answer.contains("bench1") && !answer.contains("WrongObject"), "{answer}");
         }
         for (address, expected) in ADDRESSES.into_iter().zip([
+            [405; 5],
+            [405; 5],
+            [405; 5],
+            [405; 5],
+            [405; 5],
+            [405; 5],
             [405; 5],
             [405; 5],
             [405; 5],
@@ -283,6 +135,27 @@ fn each_rank_gets_what_the_table_says_and_nothing_else() {
                 assert_eq!(status(&answer), expected, "{address} of {asker}: {answer}");
             }
         }
+    });
+}
+
+#[test]
+fn the_page_of_an_event_is_answered_later_to_the_session_that_has_asked_and_its_login_leads_back_to_it() {
+    served(|plant| {
+        let event = "/technician/event?lang=de&at=17-4&frame=3";
+        let answer = plant.get(event, "");
+        assert_eq!(header(&answer, "location"), "/login?to=event&lang=de&at=17-4&frame=3");
+        let form = "name=technician&password=correct+horse&to=event&lang=de&at=17-4&frame=3";
+        let answer = plant.post("/login", "", form);
+        assert_eq!(header(&answer, "location"), event);
+        let session = cookie(&answer);
+        let page = plant.get(event, &session);
+        let out = format!("name=\"csrf\" value=\"{}\"", plant.csrf(&session));
+        for text in ["action=\"/logout\"", "<span>technician</span>", &out] {
+            assert!(page.contains(text), "{text} is not in {page}");
+        }
+        let download = plant.get("/technician/film/one.mcap?at=17-4", &session);
+        assert_eq!(header(&download, "content-disposition"), "attachment");
+        assert_eq!(header(&download, "referrer-policy"), "same-origin");
     });
 }
 

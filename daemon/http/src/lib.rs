@@ -126,7 +126,11 @@ impl Response {
     /// The answer itself, once it has come; `None` where nobody gives it.
     async fn settled(self) -> Option<Self> {
         match self.body {
-            Sent::Later(later) => later.await.ok().map(|response| response.with(self.headers)),
+            Sent::Later(later) => later.await.ok().map(|response| {
+                let mut response = response.with(self.headers);
+                response.own_headers.extend(self.own_headers);
+                response
+            }),
             _ => Some(self),
         }
     }

@@ -8,6 +8,7 @@ type Corners = [[f32; 2]; 4];
 type Landmarks = [[f32; 2]; LANDMARKS];
 
 /// A part as it was last seen, with the hands of that picture.
+#[derive(Clone)]
 struct SeenPart {
     object: ObjectDetection,
     hands: Vec<HandDetection>,
@@ -15,6 +16,7 @@ struct SeenPart {
 }
 
 /// Remembers where everything was last seen.
+#[derive(Clone)]
 pub(crate) struct LastSeen {
     blind_ns: u64,
     objects: Vec<SeenPart>,

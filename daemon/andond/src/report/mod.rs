@@ -1,5 +1,6 @@
 //! What people and programs read: verdicts and events as JSON lines and as sentences, recordings as pictures.
 
+mod code;
 mod instead;
 mod json;
 mod names;
@@ -13,6 +14,7 @@ mod teller;
 mod tests;
 mod words;
 
+pub(crate) use code::code_of;
 pub use json::{EventLine, VerdictLine};
 pub use names::{Names, Step};
 pub(crate) use not_watching::NotWatchingLine;

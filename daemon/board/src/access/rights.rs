@@ -43,6 +43,9 @@ pub(crate) enum Needs {
     ToAct(Rank),
 }
 
+/// Where the pictures, stills and recordings of events are.
+pub(crate) const FILM: &str = "/technician/film/";
+
 /// An address that the board answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Place {
@@ -50,8 +53,11 @@ pub(crate) enum Place {
     /// What changes on a page.
     Events(Page),
     Picture,
+    /// A picture, the still or the recording of an event.
+    Film,
     Style,
     Script,
+    Player,
     LogIn,
     LogOut,
     Kiosk,
@@ -66,10 +72,12 @@ impl Place {
             "/picture.svg" => Self::Picture,
             "/board.css" => Self::Style,
             "/board.js" => Self::Script,
+            "/player.js" => Self::Player,
             "/login" => Self::LogIn,
             "/logout" => Self::LogOut,
             "/kiosk" => Self::Kiosk,
             "/confirm" => Self::Confirm,
+            path if path.starts_with(FILM) => Self::Film,
             path => Self::Page(Page::at(path)?),
         })
     }
@@ -78,7 +86,7 @@ impl Place {
     pub(crate) const fn reader(page: Page) -> Rank {
         match page {
             Page::Worker => Rank::Worker,
-            Page::Technician => Rank::Technician,
+            Page::Technician | Page::Event | Page::Explain => Rank::Technician,
         }
     }
 
@@ -86,8 +94,8 @@ impl Place {
     pub(crate) const fn get(self) -> Option<Needs> {
         Some(match self {
             Self::Page(page) | Self::Events(page) => Needs::ToRead(Self::reader(page)),
-            Self::Picture => Needs::ToRead(Rank::Technician),
-            Self::Style | Self::Script | Self::LogIn | Self::Kiosk => Needs::Nothing,
+            Self::Picture | Self::Film => Needs::ToRead(Rank::Technician),
+            Self::Style | Self::Script | Self::Player | Self::LogIn | Self::Kiosk => Needs::Nothing,
             Self::LogOut | Self::Confirm => return None,
         })
     }
@@ -98,9 +106,14 @@ impl Place {
             Self::LogIn => Needs::Nothing,
             Self::LogOut => Needs::ToAct(Rank::Worker),
             Self::Confirm => Needs::ToAct(Rank::Technician),
-            Self::Page(_) | Self::Events(_) | Self::Picture | Self::Style | Self::Script | Self::Kiosk => {
-                return None;
-            }
+            Self::Page(_)
+            | Self::Events(_)
+            | Self::Picture
+            | Self::Film
+            | Self::Style
+            | Self::Script
+            | Self::Player
+            | Self::Kiosk => return None,
         })
     }
 }

@@ -1,6 +1,8 @@
 //! The pages. Each is drawn whole on the server; a browser with scripts replaces what is new in it.
 
 mod confirmed;
+mod event;
+mod explain;
 mod picture;
 mod plain;
 mod plot;
@@ -13,6 +15,7 @@ mod worker;
 use crate::access::{Session, Visitor};
 use crate::address::{Address, Page};
 use crate::board::Board;
+use crate::film::{Film, NoFilm};
 use crate::html::Html;
 use crate::words::Table;
 
@@ -27,12 +30,19 @@ pub(crate) fn view(board: &Board, address: &Address) -> String {
     match address.page {
         Page::Worker => worker::draw(&mut html, board, words),
         Page::Technician => technician::draw(&mut html, board, words, address),
+        Page::Event => event::draw(&mut html, board, words, address),
+        Page::Explain => (),
     }
     html.finish()
 }
 
-/// A page as a browser gets it.
-pub(crate) fn whole(board: &Board, address: &Address, visitor: &Visitor) -> String {
+/// A page as a browser gets it; that of an event with its film, where somebody has looked for it.
+pub(crate) fn whole(
+    board: &Board,
+    address: &Address,
+    visitor: &Visitor,
+    film: Option<&Result<Film, NoFilm>>,
+) -> String {
     let (lang, words) = board.words(address);
     let mut html = Html::default();
     html.raw("<!DOCTYPE html><html lang=\"").text(lang).raw("\"><head><meta charset=\"utf-8\">");
@@ -40,14 +50,23 @@ pub(crate) fn whole(board: &Board, address: &Address, visitor: &Visitor) -> Stri
     html.text(words.say("label.board")).raw(" ").text(&board.settings.station).raw("</title>");
     html.raw("<link rel=\"stylesheet\" href=\"/board.css\"><script src=\"/board.js\" defer></script>");
     // A browser without scripts loads the page again: what is read from far soon, what is read from near seldom.
-    html.raw("<noscript><meta http-equiv=\"refresh\" content=\"");
-    html.raw(if address.page == Page::Worker { "3" } else { "30" });
-    html.raw("\"></noscript></head><body class=\"");
-    html.text(address.page.name()).raw("\" data-events=\"").text(&address.events()).raw("\">");
+    html.raw(match address.page {
+        Page::Worker => "<noscript><meta http-equiv=\"refresh\" content=\"3\"></noscript>",
+        Page::Technician => "<noscript><meta http-equiv=\"refresh\" content=\"30\"></noscript>",
+        Page::Event => "<script src=\"/player.js\" defer></script>",
+        Page::Explain => "",
+    });
+    html.raw("</head><body class=\"");
+    html.raw(if address.page == Page::Worker { "worker" } else { "technician" })
+        .raw("\" data-events=\"")
+        .text(&address.events())
+        .raw("\">");
     lost(&mut html, words);
     match address.page {
         Page::Worker => worker::draw(&mut html, board, words),
         Page::Technician => technician::draw_whole(&mut html, board, words, address, visitor),
+        Page::Event => event::draw_whole(&mut html, board, words, address, film),
+        Page::Explain => explain::draw(&mut html, board, words, address),
     }
     links(&mut html, board, (lang, words), address, visitor);
     html.raw("</body></html>\n");
@@ -73,11 +92,14 @@ fn lost(html: &mut Html, words: &Table) {
 fn links(html: &mut Html, board: &Board, (own, words): (&str, &Table), address: &Address, visitor: &Visitor) {
     html.raw("<footer><nav aria-label=\"").text(words.say("label.pages")).raw("\">");
     for (page, key) in [(Page::Worker, "label.worker"), (Page::Technician, "label.technician")] {
-        link(html, &Address { page, ..address.clone() }, words.say(key), page == address.page);
+        html.raw("<a");
+        link(html, &address.on(page), words.say(key), page == address.page);
     }
     html.raw("</nav><nav aria-label=\"").text(words.say("label.languages")).raw("\">");
     for (code, name) in board.settings.tables.languages() {
-        link(html, &Address { lang: code.to_owned(), ..address.clone() }, name, code == own);
+        let to = Address { lang: code.to_owned(), ..address.clone() };
+        html.raw("<a lang=\"").text(code).raw("\" hreflang=\"").text(code).raw("\"");
+        link(html, &to, name, code == own);
     }
     html.raw("</nav>");
     door(html, words, address, visitor);
@@ -103,7 +125,8 @@ fn token(html: &mut Html, session: &Session) {
     html.raw("<input type=\"hidden\" name=\"csrf\" value=\"").text(session.csrf.text()).raw("\">");
 }
 
+/// A link whose first tag is open.
 fn link(html: &mut Html, to: &Address, name: &str, is_here: bool) {
-    html.raw("<a href=\"").text(&to.link()).raw("\"");
+    html.raw(" href=\"").text(&to.link()).raw("\"");
     html.raw(if is_here { " aria-current=\"page\">" } else { ">" }).text(name).raw("</a>");
 }

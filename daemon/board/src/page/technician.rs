@@ -5,9 +5,9 @@ use std::collections::BTreeSet;
 use shm_schemas::{Health, RoleId, RoleState, Verdict, VerdictLevel};
 
 use super::state::{State, state};
-use super::{confirmed, plot, shift};
+use super::{confirmed, explain, plot, shift};
 use crate::access::Visitor;
-use crate::address::Address;
+use crate::address::{Address, Page, event_name};
 use crate::board::Board;
 use crate::html::Html;
 use crate::told::{Teller, fault_key, measures, number, outcome_key};
@@ -27,7 +27,7 @@ const SILENT_NS: u64 = 2_000_000_000;
 pub(super) fn draw(html: &mut Html, board: &Board, words: &Table, address: &Address) {
     line(html, board, words);
     shift::draw(html, board, words, address);
-    roles(html, board, words);
+    roles(html, board, words, address);
     events(html, board, words, address);
 }
 
@@ -48,7 +48,7 @@ pub(super) fn draw_whole(
     }
     shift::draw(html, board, words, address);
     html.raw("</div>");
-    roles(html, board, words);
+    roles(html, board, words, address);
     filter(html, board, words, address);
     confirmed::form(html, address, visitor);
     events(html, board, words, address);
@@ -84,7 +84,7 @@ fn picture(html: &mut Html, words: &Table, address: &Address) {
     html.element("<figcaption>", words.say("picture.legend"), "</figcaption></figure>");
 }
 
-fn roles(html: &mut Html, board: &Board, words: &Table) {
+fn roles(html: &mut Html, board: &Board, words: &Table, address: &Address) {
     html.element(
         "<section id=\"roles\"><h2>",
         words.say("label.roles"),
@@ -97,9 +97,10 @@ fn roles(html: &mut Html, board: &Board, words: &Table) {
     heads(html, words, &["message"]);
     html.raw("</tr></thead><tbody>");
     for role in &board.settings.roles {
-        self::role(html, board, words, *role);
+        self::role(html, board, words, address, *role);
     }
-    html.raw("</tbody></table></div></section>");
+    html.raw("</tbody></table></div><p class=\"turns\"><a href=\"").text(&address.on(Page::Explain).link());
+    html.element("\">", words.say("label.codes"), "</a></p></section>");
 }
 
 fn heads(html: &mut Html, words: &Table, columns: &[&str]) {
@@ -108,7 +109,7 @@ fn heads(html: &mut Html, words: &Table, columns: &[&str]) {
     }
 }
 
-fn role(html: &mut Html, board: &Board, words: &Table, role: RoleId) {
+fn role(html: &mut Html, board: &Board, words: &Table, address: &Address, role: RoleId) {
     let health = board.health_of(role).filter(|health| !is_silent(health, board.now_ns));
     let state = health.and_then(|health| RoleState::try_from(health.state).ok());
     let works = matches!(state, Some(RoleState::Running | RoleState::Finished));
@@ -119,8 +120,9 @@ fn role(html: &mut Html, board: &Board, words: &Table, role: RoleId) {
     for cell in health.map_or(UNKNOWN.map(str::to_owned), |health| numbers(health, words)) {
         html.element("<td class=\"number\">", &cell, "</td>");
     }
-    message(html, board, health.map_or(0, |health| health.last_error));
-    html.raw("</tr>");
+    html.raw("<td>");
+    explain::short(html, board, address, health.map_or(0, |health| health.last_error));
+    html.raw("</td></tr>");
 }
 
 /// What a role that is silent says of its numbers.
@@ -141,16 +143,6 @@ fn numbers(health: &Health, words: &Table) -> [String; 5] {
 fn is_silent(health: &Health, now_ns: u64) -> bool {
     let deadline_ns = SILENT_NS.max(u64::from(health.deadline_ms) * 1_000_000);
     now_ns.saturating_sub(health.stamp.sent_ns) > deadline_ns
-}
-
-/// A code of the log and its meaning, which is in the language of the log.
-fn message(html: &mut Html, board: &Board, number: u32) {
-    html.raw("<td lang=\"en\">");
-    if number > 0 {
-        let meaning = (board.settings.meaning)(number).unwrap_or_default();
-        html.text(&format!("AND-{number:03} {meaning}"));
-    }
-    html.raw("</td>");
 }
 
 /// The faults that the events have, to choose from.
@@ -181,7 +173,7 @@ fn filter(html: &mut Html, board: &Board, words: &Table, address: &Address) {
 }
 
 pub(super) fn name_of(verdict: &Verdict) -> String {
-    format!("{}-{}", verdict.stamp.epoch, verdict.stamp.seq)
+    event_name(verdict.stamp.id())
 }
 
 fn events(html: &mut Html, board: &Board, words: &Table, address: &Address) {
@@ -249,13 +241,16 @@ fn event(html: &mut Html, board: &Board, words: &Table, address: &Address, verdi
         plot::measure(html, values);
     }
     html.element("</td><td>", verdict.part.text(), "</td>");
-    html.element("<td>", board.clips.of(verdict.stamp.id()).unwrap_or("\u{2013}"), "</td>");
+    let has_clip = board.clips.show(verdict.stamp.id());
+    html.raw("<td><a href=\"").text(&Address { at: name, ..address.on(Page::Event) }.link()).raw("\">");
+    html.raw(if has_clip { "\u{25b6} " } else { "" });
+    html.text(words.say(if has_clip { "label.clip" } else { "label.look" })).raw("</a></td>");
     confirmed::draw(html, board, words, address, verdict);
     html.raw("</tr>");
 }
 
 /// The outcome as a sign, beside its word and its colour.
-fn sign(outcome: &str) -> &'static str {
+pub(super) fn sign(outcome: &str) -> &'static str {
     match outcome {
         "outcome.ok" => "\u{2713} ",
         "outcome.anomaly" => "\u{2715} ",

@@ -53,16 +53,16 @@ pub enum Remedy {
 }
 
 impl Code {
-    /// Logs an error or a warning whose code is found at run time. All other messages are logged with [`log!`].
+    /// Logs a message whose code is found at run time. All others are logged with [`log!`].
     pub fn log_found(&'static self, what: &dyn fmt::Display, remedy: Remedy) {
         let remedy = if remedy == Remedy::OfCode { self.remedy } else { "" };
         self.note();
         let message = format_args!("{what}");
         let text = self.text(message, remedy);
-        if self.level == tracing::Level::WARN {
-            tracing::warn!(code = self.name, "{text}");
-        } else {
-            tracing::error!(code = self.name, "{text}");
+        match self.level {
+            tracing::Level::ERROR => tracing::error!(code = self.name, "{text}"),
+            tracing::Level::WARN => tracing::warn!(code = self.name, "{text}"),
+            _ => tracing::info!(code = self.name, "{text}"),
         }
     }
 

@@ -4,20 +4,22 @@
 //! channels, the journal, the names in the job in force, and the clock. It writes no file: what somebody who has logged in asks for goes over a channel
 //! to the role that may do it.
 //!
-//! As in `metrics`, the server reads and writes in a thread of its own, and the loop answers. A disk may be slow, so the journal is read and clips are
-//! looked for in threads as well, and passwords are compared in one.
+//! As in `metrics`, the server reads and writes in a thread of its own, and the loop answers. A disk may be slow, so the journal and clips are read in
+//! threads as well, and passwords are compared in one.
 
 mod camera;
 mod confirm;
 mod door;
+mod films;
 mod past;
+mod seen;
 
 use std::net::SocketAddr;
 use std::path::Path;
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
-use andon_board::{Board, Clips, Inbox, Job, Line, Said, Settings, Step, Stop, Tables};
+use andon_board::{Board, Clips, Code, Inbox, Job, Line, Said, Settings, Step, Stop, Tables};
 use andon_host::config::{Config, RecordMode};
 use andon_host::log::{code, log};
 use andon_host::role::{Cycle, Role, Turn};
@@ -29,6 +31,7 @@ use andon_record::store;
 use camera::Camera;
 use confirm::Confirmer;
 use door::Door;
+use films::Films;
 use jiff::{Timestamp, Zoned};
 use past::PastReader;
 use shm_schemas::{Health, Judging, Verdict};
@@ -36,8 +39,9 @@ use shm_schemas::{Health, Judging, Verdict};
 use super::audit::Auditor;
 use super::line::LineHealth;
 use super::{RoleError, disabled, jobs};
-use crate::boards;
 use crate::clock::Clock;
+use crate::report::code_of;
+use crate::{boards, wire};
 
 /// The longest wait: a browser waits no longer than this to be answered. A verdict ends the wait.
 const TURN: Duration = Duration::from_millis(50);
@@ -72,7 +76,8 @@ struct Pages<'c> {
     health: Reader<Health>,
     inbox: Inbox,
     past: PastReader,
-    camera: Camera<'c>,
+    camera: Camera,
+    films: Films,
     door: Door,
     confirmer: Confirmer,
     line: LineHealth,
@@ -112,6 +117,7 @@ impl Role for Pages<'_> {
         }
         self.door.turn(&mut self.board);
         self.confirmer.turn(cycle, &mut self.board)?;
+        self.films.turn(&mut self.board);
         self.board.publish(now.nanoseconds());
         let board = &mut self.board;
         self.server.serve(|request| board.answer(request));
@@ -143,6 +149,7 @@ impl<'c> Pages<'c> {
             camera: Camera::new(config),
             door,
             confirmer: Confirmer::new(config.journal_path(), Auditor::open(node)?, node.reader()?),
+            films: Films::new(config),
             line: LineHealth::new(config),
             starting: None,
             job: None,
@@ -266,9 +273,22 @@ fn settings(config: &Config) -> Result<Settings, RoleError> {
         language: config.board.language.clone(),
         picture: config.board.picture,
         roles: config.roles(),
-        meaning: |number| code::of_number(number).map(|code| code.meaning),
+        codes: code::ALL.iter().map(|code| told(code)).collect(),
+        code_of: |verdict| code_of(&wire::verdict::read(verdict)?).map(|code| code.number),
         local_time: |utc_ns| Clock::new(false).date_time(utc_ns),
     })
+}
+
+/// A code as `andond explain` tells of it.
+fn told(code: &andon_host::log::Code) -> Code {
+    Code {
+        number: code.number,
+        name: code.name,
+        level: code.level.to_string(),
+        group: code::group(code.number),
+        meaning: code.meaning,
+        remedy: code.remedy,
+    }
 }
 
 /// The names in the job in force; those of the parts alone where there is none.
@@ -299,10 +319,7 @@ fn names_in(file: &JobFile) -> Job {
 /// The clips that there are. Where the folder cannot be read, the role `record` says so.
 fn clips(folder: &Path) -> Clips {
     let recordings = store::indexed(folder).unwrap_or_default();
-    let by_verdict = store::by_verdict(&recordings);
-    Clips::new(by_verdict.into_iter().map(|(verdict, recording)| {
-        (verdict, recording.path.file_name().unwrap_or_default().to_string_lossy().into_owned())
-    }))
+    Clips::new(store::by_verdict(&recordings).into_keys())
 }
 
 /// When this day began on the clocks here.

@@ -3,8 +3,8 @@
 use andon_core::anomaly::Event;
 use andon_core::couple::Couples;
 use andon_core::job::Job;
-use andon_core::verdict::{Level, Outcome, Reason, Verdict};
-use andon_host::log::{code, log};
+use andon_core::verdict::{Level, Verdict};
+use andon_host::log::{Remedy, code, log};
 use andon_host::role::Cycle;
 use andon_ipc::UtcTime;
 use andon_learn::job_file::JobFile;
@@ -12,7 +12,7 @@ use shm_schemas::{Couples as Message, JudgePhase, PartId};
 
 use super::super::RoleError;
 use super::Ports;
-use crate::report::{Names, verdict_sentence};
+use crate::report::{Names, code_of, verdict_sentence};
 use crate::watch::Watch;
 use crate::wire;
 use crate::wire::verdict::{Sender, station_name};
@@ -124,17 +124,8 @@ impl<'j> Watched<'j> {
 /// What a technician reads: jobs and anomalies, each IU only on request.
 fn log_verdict(verdict: &Verdict, names: &Names) {
     let sentence = verdict_sentence(verdict, names);
-    match (verdict.outcome, verdict.level) {
-        (Outcome::Ok, Level::Job) => log!(code::JOB_OK, "{sentence}"),
-        (Outcome::Ok, Level::Activity) if verdict.note.is_some() => log!(code::NOTE, "{sentence}"),
-        (Outcome::Ok, Level::Iu | Level::Activity) => tracing::debug!("{sentence}"),
-        (Outcome::Anomaly, Level::Job) => log!(code::JOB_ANOMALY, "{sentence}"),
-        (Outcome::Anomaly, Level::Iu | Level::Activity) => log!(code::ACTIVITY_ANOMALY, "{sentence}"),
-        (Outcome::NotJudged, _) => match verdict.reason {
-            Reason::Overload | Reason::FramesMissing | Reason::TooFewFrames => {
-                log!(code::OVERLOAD, "{sentence}")
-            }
-            _ => log!(code::NOT_JUDGED, "{sentence}"),
-        },
+    match code_of(verdict) {
+        None => tracing::debug!("{sentence}"),
+        Some(code) => code.log_found(&sentence, Remedy::OfCode),
     }
 }

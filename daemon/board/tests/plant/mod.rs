@@ -1,0 +1,189 @@
+//! A board that a test reaches as a plant's network does.
+
+#![allow(clippy::unwrap_used)]
+
+use std::io::{Read as _, Write as _};
+use std::net::{Ipv4Addr, TcpStream};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
+
+use andon_board::{Asked, Board, Logins, NoFilm, Rank, Settings, Tables, Wanted};
+use andon_http::{Offer, Response, Server};
+use shm_schemas::{Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
+
+use crate::answer::{cookie, status};
+
+/// Only a failing test waits for so long.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
+
+const PASSWORD: &str = "correct horse";
+const SECOND_NS: u64 = 1_000_000_000;
+
+/// A board that is reached from a network, beside its loop.
+pub(crate) struct Plant {
+    pub(crate) port: u16,
+    /// CLOCK_MONOTONIC of the board.
+    pub(crate) now_ns: AtomicU64,
+    pub(crate) logins: Mutex<Logins>,
+    pub(crate) asked: Mutex<Vec<Asked>>,
+    pub(crate) board: Mutex<Board>,
+    pub(crate) is_over: AtomicBool,
+}
+
+fn settings(port: u16, bind: Ipv4Addr) -> Settings {
+    Settings {
+        station: "bench1".to_owned(),
+        bind: bind.into(),
+        port,
+        hosts: Vec::new(),
+        is_secure: false,
+        tables: Tables::shipped(),
+        language: "en".to_owned(),
+        picture: true,
+        roles: Vec::new(),
+        codes: Vec::new(),
+        code_of: |_| None,
+        local_time: |utc_ns| utc_ns.to_string(),
+    }
+}
+
+/// Runs a test beside a board that listens on this address; what is tried is over the loopback address all the same.
+pub(crate) fn served_at(bind: Ipv4Addr, test: impl FnOnce(&Plant)) {
+    let offer = Offer { takes_forms: true, tls: None };
+    let server = Server::bind_with((Ipv4Addr::LOCALHOST, 0).into(), offer).unwrap();
+    let port = server.address().port();
+    let mut board = Board::new(settings(port, bind));
+    board.verdict(&fault(4));
+    let plant = Plant {
+        port,
+        now_ns: AtomicU64::new(SECOND_NS),
+        logins: Mutex::default(),
+        asked: Mutex::default(),
+        board: Mutex::new(board),
+        is_over: AtomicBool::new(false),
+    };
+    for rank in Rank::ALL {
+        plant.logins.lock().unwrap().add(rank.name(), rank, PASSWORD).unwrap();
+    }
+    plant.tell_logins();
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !plant.is_over.load(Ordering::Relaxed) {
+                plant.turn(&server);
+                std::thread::sleep(Duration::from_millis(2));
+            }
+        });
+        let tested = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| test(&plant)));
+        plant.is_over.store(true, Ordering::Relaxed);
+        tested.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+    });
+}
+
+/// On a network.
+pub(crate) fn served(test: impl FnOnce(&Plant)) {
+    served_at(Ipv4Addr::new(10, 0, 0, 7), test);
+}
+
+pub(crate) fn fault(seq: u64) -> Verdict {
+    let mut verdict = Verdict {
+        level: VerdictLevel::Iu.code(),
+        outcome: VerdictOutcome::Anomaly.code(),
+        reason: VerdictReason::WrongObject.code(),
+        ..Verdict::NONE
+    };
+    (verdict.stamp.epoch, verdict.stamp.seq) = (17, seq);
+    verdict
+}
+
+impl Plant {
+    pub(crate) fn turn(&self, server: &Server) {
+        let mut board = self.board.lock().unwrap();
+        board.publish(self.now_ns.load(Ordering::Relaxed));
+        for of in board.take_tries() {
+            let login = self.logins.lock().unwrap().find(&of.name, &of.password);
+            board.compared(of.number, login);
+        }
+        for ask in board.asks() {
+            match ask.wanted {
+                Wanted::Film => board.film(ask, &Err(NoFilm::NoClip)),
+                _ => ask.answer(Response::text(404, "there is none\n")),
+            }
+        }
+        for asked in board.take_asked() {
+            self.asked.lock().unwrap().push(asked);
+        }
+        server.serve(|request| board.answer(request));
+    }
+
+    pub(crate) fn tell_logins(&self) {
+        self.board.lock().unwrap().logins(self.logins.lock().unwrap().clone());
+    }
+
+    /// Lets time pass. Every request from now on is answered after it.
+    pub(crate) fn pass(&self, seconds: u64) {
+        let mut board = self.board.lock().unwrap();
+        let before_ns = self.now_ns.fetch_add(seconds * SECOND_NS, Ordering::Relaxed);
+        board.publish(before_ns + seconds * SECOND_NS);
+    }
+
+    pub(crate) fn connect(&self) -> TcpStream {
+        let stream = TcpStream::connect((Ipv4Addr::LOCALHOST, self.port)).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream
+    }
+
+    pub(crate) fn sent(&self, request: &str) -> String {
+        let mut stream = self.connect();
+        let _ = stream.write_all(request.as_bytes());
+        let mut answer = Vec::new();
+        let _ = stream.read_to_end(&mut answer);
+        String::from_utf8_lossy(&answer).into_owned()
+    }
+
+    /// Gets an address with this cookie.
+    pub(crate) fn get(&self, target: &str, cookie: &str) -> String {
+        self.sent(&format!(
+            "GET {target} HTTP/1.1\r\nHost: localhost:{}\r\nCookie: {cookie}\r\n\r\n",
+            self.port
+        ))
+    }
+
+    /// Sends a form as a page of the board does.
+    pub(crate) fn post(&self, target: &str, cookie: &str, form: &str) -> String {
+        let origin = format!("Origin: http://localhost:{}\r\nSec-Fetch-Site: same-origin\r\n", self.port);
+        self.post_from(target, cookie, &origin, form)
+    }
+
+    pub(crate) fn post_from(&self, target: &str, cookie: &str, origin: &str, form: &str) -> String {
+        self.sent(&format!(
+            "POST {target} HTTP/1.1\r\nHost: localhost:{}\r\nCookie: {cookie}\r\n{origin}Content-Type: \
+             application/x-www-form-urlencoded\r\nContent-Length: {}\r\n\r\n{form}",
+            self.port,
+            form.len()
+        ))
+    }
+
+    pub(crate) fn log_in(&self, name: &str, cookie: &str) -> String {
+        self.post("/login", cookie, &format!("name={name}&password=correct+horse&to=technician"))
+    }
+
+    /// The cookie of a new session.
+    pub(crate) fn session(&self, name: &str) -> String {
+        let answer = self.log_in(name, "");
+        assert_eq!(status(&answer), 303, "{answer}");
+        cookie(&answer)
+    }
+
+    /// The token that the forms of a session have.
+    pub(crate) fn csrf(&self, session: &str) -> String {
+        let page = self.get("/", session);
+        let from =
+            page.split_once("name=\"csrf\" value=\"").unwrap_or_else(|| unreachable!("no token in {page}")).1;
+        from.split('"').next().unwrap().to_owned()
+    }
+
+    pub(crate) fn asked(&self) -> usize {
+        self.asked.lock().unwrap().len()
+    }
+}
