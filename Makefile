@@ -1,7 +1,7 @@
 # Thin: every target is one command that can be typed by hand. `make demo` and `make test` are each enough on a fresh machine.
 RUNTIME := target/runtime
 DEBIAN := g++ pkg-config libopencv-dev libturbojpeg0-dev clang libclang-dev python3 python3-pip
-DEBIAN_TEST := chromium ffmpeg mbpoll poppler-utils python3-venv systemd
+DEBIAN_TEST := chromium ffmpeg mbpoll node-typescript poppler-utils python3-venv systemd
 
 # From OpenCV 4.7 on the marker detector is in another of its modules.
 OBJDETECT = $(shell pkg-config --atleast-version=4.7 opencv4 && echo --features andond/objdetect)

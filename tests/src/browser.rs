@@ -23,6 +23,31 @@ const OPTIONS: [&str; 8] = [
     "--remote-debugging-pipe",
 ];
 
+/// The checks of a page, as one expression without the comment above it.
+fn access() -> &'static str {
+    let script = include_str!("access.js");
+    script[script.find("(() =>").unwrap()..].trim_end()
+}
+
+/// What axe-core finds, in its words.
+const AXE: &str = "axe.run().then(({ violations }) => violations.map(({ id, nodes }) => `axe: ${id}: ${nodes.map(({ html }) => html)}`))";
+
+/// What is wrong with where the focus is: `null` where nothing is.
+const FOCUS: &str = "
+(() => {
+    const [before, now] = [window.focused, document.activeElement];
+    window.focused = now;
+    const { outlineStyle, outlineWidth } = getComputedStyle(now);
+    if (now === document.body || !now.checkVisibility()) return 'the focus is nowhere';
+    if (outlineStyle === 'none' || parseFloat(outlineWidth) < 2) return `nobody sees that this has the focus: ${now.outerHTML}`;
+    const goesOn = !before?.isConnected || before.compareDocumentPosition(now) & Node.DOCUMENT_POSITION_FOLLOWING;
+    return goesOn ? null : `the focus goes back to ${now.outerHTML}`;
+})()";
+
+fn texts(value: Value) -> Vec<String> {
+    serde_json::from_value(value).unwrap()
+}
+
 /// A browser. It is killed when this is dropped.
 pub struct Browser {
     child: Child,
@@ -100,6 +125,38 @@ impl Browser {
     fn evaluate(&mut self, tab: &Tab, expression: &str) -> Result<Value, Value> {
         let asked = json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
         self.try_to(Some(tab), "Runtime.evaluate", asked)
+    }
+
+    /// What is wrong with a page for people who see little, use the keyboard, or wear gloves. `before` sets the page, which is looked at before its
+    /// server can set it anew. Where `ANDON_AXE` names the script of axe-core, what that finds is told as well.
+    pub fn faults(&mut self, tab: &Tab, before: &str) -> Vec<String> {
+        let mut faults = texts(self.value(tab, &format!("(() => {{ {before}; return {}; }})()", access())));
+        let tree = self.ask(Some(tab), "Accessibility.getFullAXTree", json!({}));
+        let nodes = tree["nodes"].as_array().unwrap();
+        let is_used = |node: &&Value| {
+            let role = node["role"]["value"].as_str().unwrap_or_default();
+            ["link", "button", "combobox", "slider", "image", "img", "heading"].contains(&role)
+        };
+        let unnamed = nodes.iter().filter(is_used).filter(|node| {
+            node["ignored"] != json!(true)
+                && node["name"]["value"].as_str().is_none_or(|name| name.trim().is_empty())
+        });
+        faults.extend(unnamed.map(|node| format!("no name: a {}", node["role"]["value"])));
+        if let Some(axe) = std::env::var_os("ANDON_AXE") {
+            let script = std::fs::read_to_string(axe).unwrap();
+            faults.extend(texts(self.value(tab, &format!("{script};{AXE}"))));
+        }
+        faults
+    }
+
+    /// Goes through a page by the Tab key, so many times. Where that leads to nothing, back, or to where nobody sees it, it is told.
+    pub fn faults_of_focus(&mut self, tab: &Tab, stops: usize) -> Vec<String> {
+        let mut faults = Vec::new();
+        for _ in 0..stops {
+            self.press(tab, "Tab", 9);
+            faults.extend(self.value(tab, FOCUS).as_str().map(str::to_owned));
+        }
+        faults
     }
 
     /// Waits until a JavaScript expression is true; panics with what the page shows after [`PATIENCE`]. While a page is loaded it may fail.

@@ -2,13 +2,15 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_ipc::{Node, Stop};
+use andon_record::store;
 use andon_tests::browser::{Browser, Tab};
-use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, andond, ask, free_port, status};
+use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, andond, ask, free_port, root, status};
 use andon_tests::simulator::Flaw;
+use rustix::process::Signal;
 use serde_json::json;
 use shm_schemas::RoleId;
 use std::net::TcpListener;
-use std::process::Command;
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 const FULL_HD: [u32; 2] = [1920, 1080];
@@ -29,7 +31,9 @@ fn with_board(line: &Line) -> u16 {
 fn at_work() -> (Line, Watcher, String) {
     let mut line = Line::new(Settings { flaw: Flaw::J1, ..Settings::live() });
     let port = with_board(&line);
+    line.record("fault");
     let watcher = line.up();
+    line.start("record");
     line.start("board");
     line.wait_for_log("board", "AND-620", "");
     Modbus::connect_when_up(line.port).wait_for(status::READY);
@@ -161,7 +165,7 @@ fn events_are_listed_newest_first_and_a_deep_link_a_reload_and_the_back_button_k
     keep(&mut browser, &tab, "technician-filtered");
 
     // The link of the oldest row leads to it, whatever has happened since, and after a reload.
-    let link = "[...document.querySelectorAll('#events td a')].at(-1).href";
+    let link = "[...document.querySelectorAll('#events td:first-child a')].at(-1).href";
     let link = browser.value(&tab, link).as_str().unwrap().to_owned();
     assert!(link.contains("fault=fault.Strokes.below") && link.contains("at="), "{link}");
     let row = link.split_once('#').unwrap().1.to_owned();
@@ -178,41 +182,27 @@ fn events_are_listed_newest_first_and_a_deep_link_a_reload_and_the_back_button_k
         "location.search === '?fault=fault.Strokes.below' && document.readyState === 'complete'",
     );
 
+    // A line without a camera has clips without pictures.
+    browser.go(&tab, &format!("{board}/technician?fault=fault.Strokes.below"));
+    let clip = "[...document.querySelectorAll('#events td:last-child a')].find((link) => link.textContent.startsWith('\u{25b6}'))";
+    browser.until(&tab, &format!("Boolean({clip})"));
+    browser.value(&tab, &format!("{clip}.click()"));
+    browser.until(
+        &tab,
+        "document.body.innerText.includes('The clip has no pictures: only what was detected was recorded.')",
+    );
+    assert_eq!(browser.value(&tab, "document.getElementById('player')"), json!(null));
+
     // Another language keeps the place as well.
     browser.go(&tab, &link);
     browser.value(&tab, "document.querySelector('footer a[href*=\"lang=fr\"]').click()");
     browser.until(&tab, &format!("document.documentElement.lang === 'fr' && {first}"));
 }
 
-/// The smallest contrast of visible texts with what lies behind them, and where that is, by the formula of WCAG 2.
-const CONTRAST: &str = r#"
-(() => {
-    const channels = (color) => color.match(/[\d.]+/g).map(Number);
-    const part = (value) => (value /= 255) <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
-    const luminance = ([r, g, b]) => 0.2126 * part(r) + 0.7152 * part(g) + 0.0722 * part(b);
-    const behind = (element) => {
-        for (; element; element = element.parentElement) {
-            const color = channels(getComputedStyle(element).backgroundColor);
-            if (color.length < 4 || color[3] > 0) return color;
-        }
-        return [255, 255, 255];
-    };
-    let least = { contrast: 21, text: "" };
-    const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
-    for (let text = texts.nextNode(); text; text = texts.nextNode()) {
-        const element = text.parentElement;
-        if (!text.data.trim() || !element.checkVisibility()) continue;
-        const pair = [channels(getComputedStyle(element).color), behind(element)].map(luminance).sort();
-        const contrast = (pair[1] + 0.05) / (pair[0] + 0.05);
-        if (contrast < least.contrast) least = { contrast, text: text.data };
-    }
-    return least;
-})()"#;
-
-/// Sets a page by `before`, and looks at it before the server can set it anew.
-fn assert_contrast(browser: &mut Browser, tab: &Tab, before: &str, what: &str) {
-    let least = browser.value(tab, &format!("(() => {{ {before}; return {}; }})()", CONTRAST.trim()));
-    assert!(least["contrast"].as_f64().unwrap() >= 4.5, "{what}: {least}");
+/// Sets a page by `before` and looks what is wrong with it for people who see little, use the keyboard, or wear gloves.
+fn assert_accessible(browser: &mut Browser, tab: &Tab, before: &str, what: &str) {
+    let faults = browser.faults(tab, before);
+    assert!(faults.is_empty(), "{what}: {faults:#?}");
 }
 
 #[test]
@@ -224,7 +214,7 @@ fn pages_are_readable_in_every_state_size_and_language_with_the_keyboard_and_wit
     browser.until(&tab, &says(&["FAULT"]));
     for style in ["quiet", "fault", "check", "unjudged", "good", "stopped"] {
         let set = format!("document.getElementById('view').className = '{style}'");
-        assert_contrast(&mut browser, &tab, &set, style);
+        assert_accessible(&mut browser, &tab, &set, style);
     }
     browser.until(&tab, &says(&["WORKING"]));
     keep(&mut browser, &tab, "worker-quiet");
@@ -247,19 +237,12 @@ fn pages_are_readable_in_every_state_size_and_language_with_the_keyboard_and_wit
     let raw = "/(label|state|fault|unit|order|context)\\.[A-Za-z]/.test(document.body.innerText)";
     assert_eq!(browser.value(&tab, raw), json!(false));
 
-    for page in ["/", "/technician"] {
+    for page in ["/", "/technician", "/technician/explain?code=306&lang=de"] {
         browser.go(&tab, &format!("{board}{page}"));
-        assert_contrast(&mut browser, &tab, "", page);
-        let mut stops = std::collections::BTreeSet::new();
-        for _ in 0..12 {
-            browser.press(&tab, "Tab", 9);
-            let focused = "document.activeElement.outerHTML.slice(0, 60)";
-            stops.insert(browser.value(&tab, focused).to_string());
-        }
-        assert!(stops.len() >= 7, "{page}: {stops:?}");
-        // With gloves: at 96 dots per inch 15 mm are 56 pixels.
-        let small = "[...document.querySelectorAll('footer a')].filter((link) => link.getBoundingClientRect().height < 56 || link.getBoundingClientRect().width < 56).length";
-        assert_eq!(browser.value(&tab, small), json!(0), "{page}");
+        assert_accessible(&mut browser, &tab, "", page);
+        let stops = if page == "/" { 6 } else { 12 };
+        let lost = browser.faults_of_focus(&tab, stops);
+        assert!(lost.is_empty(), "{page}: {lost:#?}");
     }
     for size in [TABLET, TWICE] {
         browser.resize(&tab, size);
@@ -329,6 +312,207 @@ fn the_technician_sees_the_picture_with_what_is_seen_in_it_and_nobody_reads_fram
     while places(&line) < free {
         assert!(Instant::now() < until, "frames are read although nobody looks");
         std::thread::sleep(Duration::from_millis(500));
+    }
+}
+
+/// A line that has recorded a fault on a film and is at its end, with its board.
+fn recorded() -> (Line, u16) {
+    let mut line = Line::with_film("speed = \"file\"", "", &["-i", "p1_J1_r1.mp4"]);
+    let port = with_board(&line);
+    line.record("fault");
+    let _watcher = line.launch_recorded();
+    line.start("board");
+    line.wait_for_log("board", "AND-620", "");
+    line.start("capture");
+    line.wait_for_log("record", "AND-411", "");
+    line.roles.retain(|role| role.role != "capture");
+    // What it has begun is whole when it has ended.
+    line.role("record").signal(Signal::TERM);
+    line.role("record").wait();
+    (line, port)
+}
+
+const FRAME_IS_SHOWN: &str = "document.getElementById('frame').naturalWidth > 0";
+const IS_AT_EVENT: &str = "location.pathname === '/technician/event' && document.readyState === 'complete' && document.getElementById('frame').naturalWidth > 0";
+
+/// Whether the film is at this picture, as a JavaScript expression.
+fn is_at(frame: &str) -> String {
+    format!(
+        "new URLSearchParams(location.search).get('frame') === String({frame}) && slide.value === String({frame}) && {FRAME_IS_SHOWN}"
+    )
+}
+
+#[test]
+fn an_event_leads_to_its_film_which_steps_and_plays_and_keeps_its_place_until_its_recording_is_removed() {
+    let (line, port) = recorded();
+    let board = format!("http://localhost:{port}");
+    let mut browser = Browser::start();
+    let tab = browser.open(&format!("{board}/technician?fault=fault.Strokes.below"), FULL_HD);
+    let link = "document.querySelector('#events tbody tr td:last-child a')";
+    browser.until(&tab, &format!("{link}?.textContent.startsWith('\u{25b6}')"));
+    let list = browser.value(&tab, "location.href");
+    browser.value(&tab, &format!("{link}.click()"));
+    browser.until(&tab, IS_AT_EVENT);
+    browser.until(&tab, "document.querySelector('#still img').naturalWidth > 0");
+    let second = browser.value(&tab, "document.getElementById('second').textContent");
+    assert_eq!(second, json!("+0.00 s"), "the picture that was decided on");
+    let told =
+        browser.value(&tab, "document.getElementById('verdict').innerText").as_str().unwrap().to_owned();
+    for words in ["FAULT", "too few strokes", "Expected", "Done", "AND-305"] {
+        assert!(told.contains(words), "{words} is not in {told}");
+    }
+    for (size, name) in [([1920, 2400], "event"), (TABLET, "event-tablet"), (TWICE, "event-twice")] {
+        browser.resize(&tab, size);
+        let wide = "document.documentElement.scrollWidth <= innerWidth";
+        assert_eq!(browser.value(&tab, wide), json!(true), "{name}");
+        assert_accessible(&mut browser, &tab, "", name);
+        keep(&mut browser, &tab, name);
+    }
+    browser.resize(&tab, FULL_HD);
+    let lost = browser.faults_of_focus(&tab, 8);
+    assert!(lost.is_empty(), "{lost:#?}");
+
+    // By keyboard and by touch, one picture after the other.
+    let first = browser.value(&tab, "Number(slide.value)").as_u64().unwrap();
+    browser.value(&tab, "document.getElementById('previous').click()");
+    browser.until(&tab, &is_at(&(first - 1).to_string()));
+    browser.value(&tab, "document.getElementById('slide').focus()");
+    browser.press(&tab, "ArrowLeft", 37);
+    browser.until(&tab, &is_at(&(first - 2).to_string()));
+    browser.value(&tab, "window.isOld = true; setTimeout(() => location.reload()); true");
+    browser.until(
+        &tab,
+        &format!(
+            "!window.isOld && document.readyState === 'complete' && {}",
+            is_at(&(first - 2).to_string())
+        ),
+    );
+    // It plays, stops where somebody stops it, and goes on to its end.
+    browser.value(&tab, "document.getElementById('play').click()");
+    browser.until(&tab, &format!("Number(slide.value) > {}", first + 5));
+    browser.value(&tab, "document.getElementById('play').click()");
+    browser.until(&tab, &is_at("slide.value"));
+    browser.value(&tab, "document.getElementById('play').click()");
+    browser.until(&tab, &is_at("slide.max"));
+    // Without scripts the next picture is a link.
+    let of = |frame: u64| {
+        let drawn = format!(
+            "fetch('/technician/event' + location.search.replace(/frame=\\d+/, 'frame={frame}')).then((answer) => answer.text())"
+        );
+        format!(
+            "{drawn}.then((page) => page.includes('frame={}\"') && page.includes('&amp;frame={}\"'))",
+            frame,
+            frame + 1
+        )
+    };
+    assert_eq!(browser.value(&tab, &of(3)), json!(true));
+    browser.value(&tab, "history.back()");
+    browser.until(&tab, &format!("location.href === {list} && document.readyState === 'complete'"));
+
+    // The recording comes as it is, and the code is explained as `andond explain` does.
+    browser.value(&tab, &format!("{link}.click()"));
+    browser.until(&tab, IS_AT_EVENT);
+    let name = browser.value(&tab, "document.querySelector('#clip code').textContent");
+    let name = name.as_str().unwrap();
+    let recording = line.recordings().into_iter().find(|path| path.ends_with(name)).unwrap();
+    let download = "fetch(document.querySelector('a[download]').href).then(async (answer) => [answer.headers.get('content-disposition'), (await answer.arrayBuffer()).byteLength, answer.url])";
+    let download = browser.value(&tab, download);
+    assert_eq!(download[0], json!("attachment"));
+    assert_eq!(download[1], json!(recording.metadata().unwrap().len()));
+    assert!(download[2].as_str().unwrap().contains(&format!("/{name}?")), "{download}");
+    browser.value(&tab, "document.querySelector('#verdict a').click()");
+    browser.until(&tab, "location.pathname === '/technician/explain' && document.readyState === 'complete'");
+    let said = Command::new(andond()).args(["explain", "305"]).output().unwrap();
+    let said = String::from_utf8(said.stdout).unwrap();
+    let remedy = said.rsplit_once("what to do:").unwrap().1.trim();
+    let shown = browser.value(&tab, "document.getElementById('explain').innerText");
+    assert!(shown.as_str().unwrap().contains(remedy), "{remedy} is not in {shown}");
+    browser.resize(&tab, WHOLE);
+    keep(&mut browser, &tab, "explain");
+    browser.resize(&tab, FULL_HD);
+
+    // What was removed or damaged is said, on the page that is open and on a new one.
+    browser.value(&tab, "history.back()");
+    browser.until(&tab, IS_AT_EVENT);
+    for lang in ["de", "zh"] {
+        browser.value(&tab, &format!("document.querySelector('footer a[hreflang={lang}]').click()"));
+        browser.until(&tab, &format!("document.documentElement.lang === '{lang}' && {IS_AT_EVENT}"));
+        assert_accessible(&mut browser, &tab, "", lang);
+        keep(&mut browser, &tab, &format!("event-{lang}"));
+    }
+    browser.value(&tab, "document.querySelector('footer a[hreflang=en]').click()");
+    browser.until(&tab, &format!("document.documentElement.lang === 'en' && {IS_AT_EVENT}"));
+    let whole = std::fs::read(&recording).unwrap();
+    std::fs::write(&recording, b"no recording").unwrap();
+    let drawn = "fetch(location.href).then((answer) => answer.text())";
+    browser.until(&tab, &format!("{drawn}.then((page) => page.includes('cannot be read'))"));
+    std::fs::write(&recording, whole).unwrap();
+    browser.until(&tab, &format!("{drawn}.then((page) => page.includes('id=\"player\"'))"));
+    store::remove(&recording).unwrap();
+    browser.value(&tab, "slide.value = 0; slide.dispatchEvent(new Event('input'))");
+    browser.until(&tab, "!document.getElementById('frame_lost').hidden");
+    keep(&mut browser, &tab, "event-removed");
+    let gone = "fetch(document.querySelector('a[download]').href).then((answer) => answer.status)";
+    assert_eq!(browser.value(&tab, gone), json!(404));
+    browser.value(&tab, "location.reload()");
+    browser.until(&tab, "document.body.innerText.includes('No clip shows this event')");
+    for lang in ["de", "zh"] {
+        browser.go(&tab, &format!("{board}/technician/explain?code=305&lang={lang}"));
+        keep(&mut browser, &tab, &format!("explain-{lang}"));
+    }
+}
+
+#[test]
+fn a_fault_is_heard_where_the_address_asks_for_it_and_nowhere_else() {
+    let (_line, _watcher, board) = at_work();
+    let mut browser = Browser::start();
+    let tab = browser.open(&format!("{board}/"), TABLET);
+    assert_eq!(browser.value(&tab, "document.querySelector('script[src=\"/sound.js\"]')"), json!(null));
+    browser.go(&tab, &format!("{board}/?sound=on"));
+    let count = "
+        window.tones = 0;
+        const { start } = OscillatorNode.prototype;
+        OscillatorNode.prototype.start = function (...when) { window.tones += 1; start.apply(this, when); };
+        true";
+    assert_eq!(browser.value(&tab, count), json!(true));
+    // No browser lets a page sound that nobody has touched.
+    browser.press(&tab, "Tab", 9);
+    browser.until(&tab, "window.tones >= 2");
+    let links = "[...document.querySelectorAll('footer a')].every((link) => link.href.includes('sound=on'))";
+    assert_eq!(browser.value(&tab, links), json!(true), "another page keeps it");
+}
+
+#[test]
+fn what_the_camera_sees_before_there_is_a_line_is_a_page_of_the_board_too() {
+    let line = Line::with_film("speed = \"file\"", "", &["-i", "p1_none_r1.mp4"]);
+    let film = root().join("tests/footage/p1_none_r1.mp4");
+    let port = free_port();
+    let mut look = Command::new(andond());
+    look.arg("look").arg(film).arg("-c").arg(line.config()).arg("--page").arg(port.to_string());
+    let look = Running(look.stdout(Stdio::null()).spawn().unwrap());
+    let until = Instant::now() + PATIENCE;
+    while std::net::TcpStream::connect(("127.0.0.1", port)).is_err() {
+        assert!(Instant::now() < until, "nothing listens");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    let mut browser = Browser::start();
+    let tab = browser.open(&format!("http://localhost:{port}/?lang=de"), FULL_HD);
+    browser.until(&tab, "document.getElementById('picture').naturalWidth > 0");
+    browser.until(&tab, "document.querySelectorAll('#findings .ok').length > 3");
+    browser.until(&tab, "document.getElementById('findings').innerText.includes('polisher')");
+    assert_accessible(&mut browser, &tab, "", "look");
+    keep(&mut browser, &tab, "look-de");
+    drop(look);
+    browser.until(&tab, IS_LOST);
+}
+
+/// A program that is killed when this is dropped.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
     }
 }
 

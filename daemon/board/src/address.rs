@@ -12,15 +12,18 @@ pub(crate) enum Page {
     Event,
     /// What the codes of messages mean.
     Explain,
+    /// The picture alone, with what to improve.
+    Look,
 }
 
 impl Page {
-    const ALL: [Self; 4] = [Self::Worker, Self::Technician, Self::Event, Self::Explain];
+    const ALL: [Self; 5] = [Self::Worker, Self::Technician, Self::Event, Self::Explain, Self::Look];
 
     /// Where it is.
     pub(crate) const fn path(self) -> &'static str {
         match self {
-            Self::Worker => "/",
+            // Where there is the one, there is not the other.
+            Self::Worker | Self::Look => "/",
             Self::Technician => "/technician",
             Self::Event => "/technician/event",
             Self::Explain => "/technician/explain",
@@ -33,12 +36,13 @@ impl Page {
             Self::Technician => "technician",
             Self::Event => "event",
             Self::Explain => "explain",
+            Self::Look => "look",
         }
     }
 
-    /// The page at this path.
-    pub(crate) fn at(path: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|page| page.path() == path)
+    /// The page at this path, of those that there are: with `is_look` the picture alone.
+    pub(crate) fn at(path: &str, is_look: bool) -> Option<Self> {
+        Self::ALL.into_iter().find(|page| page.path() == path && (*page == Self::Look) == is_look)
     }
 }
 
@@ -56,6 +60,8 @@ pub(crate) struct Address {
     pub(crate) frame: String,
     /// The number of a code of the log.
     pub(crate) code: String,
+    /// `on` where a fault is to be heard.
+    pub(crate) sound: String,
     /// Whether the reader may say that a verdict was right. No query says so.
     pub(crate) may_confirm: bool,
 }
@@ -83,6 +89,7 @@ impl Address {
                 "at" => &mut address.at,
                 "frame" => &mut address.frame,
                 "code" => &mut address.code,
+                "sound" => &mut address.sound,
                 _ => continue,
             };
             if is_plain(value) {
@@ -142,6 +149,7 @@ impl Address {
             ("at", &self.at),
             ("frame", &self.frame),
             ("code", &self.code),
+            ("sound", &self.sound),
         ];
         pairs.into_iter().filter(|(_, value)| !value.is_empty())
     }
@@ -171,8 +179,9 @@ mod tests {
 
     #[test]
     fn an_address_comes_back_from_its_links() {
-        let address = Address::new(Page::Technician, "lang=de&fault=Duration.below&at=17-4");
-        assert_eq!(address.link(), "/technician?lang=de&fault=Duration.below&at=17-4");
+        let query = "lang=de&fault=Duration.below&at=17-4&frame=3&sound=on";
+        let address = Address::new(Page::Event, query);
+        assert_eq!(address.link(), format!("/technician/event?{query}"));
         let events = address.events();
         assert_eq!(Address::of_events(events.split_once('?').map_or("", |(_, query)| query)), address);
         let login = address.login();

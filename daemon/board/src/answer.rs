@@ -17,6 +17,7 @@ const JAVASCRIPT: &str = "text/javascript; charset=utf-8";
 
 const STYLE: &str = include_str!("page/board.css");
 const SCRIPT: &str = include_str!("page/board.js");
+const SOUND: &str = include_str!("page/sound.js");
 const PLAYER: &str = include_str!("page/player.js");
 
 /// Nothing comes from anywhere else, nothing of it goes to another site, and no browser keeps it. A browser says where a form comes from only where
@@ -47,7 +48,7 @@ impl Board {
         if request.is_from_another_site {
             return Response::text(403, "the board is not for pages of other sites\n");
         }
-        let Some(place) = Place::of(request) else {
+        let Some(place) = Place::of(request, self.settings.is_look) else {
             return Response::text(404, "the board is at / and at /technician\n");
         };
         let is_use = request.form.is_some() || matches!(place, Place::Page(_));
@@ -79,6 +80,7 @@ impl Board {
             Place::Picture if self.settings.picture => self.view(&request.query),
             Place::Style => Response::ok("text/css; charset=utf-8", STYLE),
             Place::Script => Response::ok(JAVASCRIPT, SCRIPT),
+            Place::Sound => Response::ok(JAVASCRIPT, SOUND),
             Place::Player => Response::ok(JAVASCRIPT, PLAYER),
             Place::Film => self.of_film(request, visitor),
             Place::LogIn => self.login_page(&Address::of_login(&request.query), None, 200),

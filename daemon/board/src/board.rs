@@ -14,6 +14,7 @@ use crate::film::Asks;
 use crate::guard::Guard;
 use crate::job::Job;
 use crate::line::Line;
+use crate::look::{Finding, Look};
 use crate::page;
 use crate::picture::Picture;
 use crate::piece::Piece;
@@ -49,6 +50,8 @@ pub struct Settings {
     pub language: String,
     /// Whether the camera's picture is shown to the technician.
     pub picture: bool,
+    /// Whether there is no line, but only a picture, with what to improve.
+    pub is_look: bool,
     /// The roles of the station, in the order of the data path.
     pub roles: Vec<RoleId>,
     /// The codes of the log, in the order of their numbers.
@@ -93,6 +96,7 @@ pub struct Board {
     pub(crate) healths: Vec<Health>,
     pub(crate) clips: Clips,
     pub(crate) asks: Asks,
+    pub(crate) look: Look,
     pub(crate) watchers: Watchers,
     pub(crate) viewers: Viewers,
     /// Changes with whatever a page may show.
@@ -125,6 +129,7 @@ impl Board {
             healths: Vec::new(),
             clips: Clips::default(),
             asks: Asks::default(),
+            look: Look::default(),
             watchers: Watchers::default(),
             viewers: Viewers::default(),
             version: 0,
@@ -245,6 +250,13 @@ impl Board {
     /// The event of this name.
     pub(crate) fn event(&self, name: &str) -> Option<&Verdict> {
         self.events.iter().find(|event| event_name(event.stamp.id()) == name)
+    }
+
+    /// What the picture comes from, and what was found in it.
+    pub fn look(&mut self, source: &str, findings: Vec<Finding>) {
+        let look = Look { source: source.to_owned(), findings };
+        self.version += u64::from(self.look != look);
+        self.look = look;
     }
 
     /// Sends the browsers what has changed. The time is that of CLOCK_MONOTONIC.

@@ -19,6 +19,7 @@ pub(crate) fn settings() -> Settings {
         tables: Tables::shipped(),
         language: "en".to_owned(),
         picture: true,
+        is_look: false,
         roles: Vec::new(),
         codes: Vec::new(),
         code_of: |_| None,

@@ -38,6 +38,7 @@ fn settings(port: u16) -> Settings {
         tables: Tables::shipped(),
         language: "en".to_owned(),
         picture: true,
+        is_look: false,
         roles: vec![RoleId::Judge],
         codes: vec![Code {
             number: 307,
@@ -415,6 +416,7 @@ fn every_answer_forbids_whatever_the_pages_do_not_need() {
             "/board.css",
             "/board.js",
             "/player.js",
+            "/sound.js",
             "/nothing",
         ] {
             let answer = get(port, path);

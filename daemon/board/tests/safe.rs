@@ -13,7 +13,7 @@ use andon_board::{Kept, Rank, Was};
 use answer::{cookie, header, status};
 use plant::{PATIENCE, Plant, fault, served, served_at};
 
-const ADDRESSES: [&str; 17] = [
+const ADDRESSES: [&str; 18] = [
     "/",
     "/technician",
     "/technician/event?at=17-4",
@@ -26,6 +26,7 @@ const ADDRESSES: [&str; 17] = [
     "/picture.svg",
     "/board.css",
     "/board.js",
+    "/sound.js",
     "/player.js",
     "/login",
     "/kiosk",
@@ -77,6 +78,7 @@ fn each_rank_gets_what_the_table_says_and_nothing_else() {
             [200, 200, 200, 200, 200],
             [200, 200, 200, 200, 200],
             [200, 200, 200, 200, 200],
+            [200, 200, 200, 200, 200],
             [403, 403, 403, 403, 403],
             [405, 405, 405, 405, 405],
             [405, 405, 405, 405, 405],
@@ -99,11 +101,12 @@ fn each_rank_gets_what_the_table_says_and_nothing_else() {
             }
         }
         // What shows nothing of the station is the same for all.
-        for address in ["/login", "/board.css", "/board.js", "/player.js"] {
+        for address in ["/login", "/board.css", "/board.js", "/sound.js", "/player.js"] {
             let answer = plant.get(address, "");
             assert!(!answer.contains("bench1") && !answer.contains("WrongObject"), "{answer}");
         }
         for (address, expected) in ADDRESSES.into_iter().zip([
+            [405; 5],
             [405; 5],
             [405; 5],
             [405; 5],

@@ -226,12 +226,6 @@ impl Server {
             }
         }
     }
-
-    /// Answers the next request, for a thread that does nothing else. False when none will come any more.
-    pub fn serve_next(&self, answer: impl FnOnce(&Request) -> Response) -> bool {
-        let call = self.calls.lock().unwrap_or_else(PoisonError::into_inner).blocking_recv();
-        call.map(|call| call.reply.send(answer(&call.request))).is_some()
-    }
 }
 
 impl Drop for Server {

@@ -57,6 +57,7 @@ pub(crate) enum Place {
     Film,
     Style,
     Script,
+    Sound,
     Player,
     LogIn,
     LogOut,
@@ -65,28 +66,33 @@ pub(crate) enum Place {
 }
 
 impl Place {
-    /// The place of a request. A path is compared, and never becomes a file name.
-    pub(crate) fn of(request: &Request) -> Option<Self> {
-        Some(match request.path.as_str() {
+    /// The place of a request, on a board that shows the picture alone or not. A path is compared, and never becomes a file name.
+    pub(crate) fn of(request: &Request, is_look: bool) -> Option<Self> {
+        let place = match request.path.as_str() {
             "/events" => Self::Events(Address::of_events(&request.query).page),
             "/picture.svg" => Self::Picture,
             "/board.css" => Self::Style,
             "/board.js" => Self::Script,
+            "/sound.js" => Self::Sound,
             "/player.js" => Self::Player,
             "/login" => Self::LogIn,
             "/logout" => Self::LogOut,
             "/kiosk" => Self::Kiosk,
             "/confirm" => Self::Confirm,
             path if path.starts_with(FILM) => Self::Film,
-            path => Self::Page(Page::at(path)?),
-        })
+            path => Self::Page(Page::at(path, is_look)?),
+        };
+        // Where there is the picture alone, nobody logs in.
+        let is_of_look =
+            matches!(place, Self::Page(_) | Self::Events(_) | Self::Picture | Self::Style | Self::Script);
+        (is_of_look || !is_look).then_some(place)
     }
 
     /// The rank that sees a page.
     pub(crate) const fn reader(page: Page) -> Rank {
         match page {
             Page::Worker => Rank::Worker,
-            Page::Technician | Page::Event | Page::Explain => Rank::Technician,
+            Page::Technician | Page::Event | Page::Explain | Page::Look => Rank::Technician,
         }
     }
 
@@ -95,7 +101,9 @@ impl Place {
         Some(match self {
             Self::Page(page) | Self::Events(page) => Needs::ToRead(Self::reader(page)),
             Self::Picture | Self::Film => Needs::ToRead(Rank::Technician),
-            Self::Style | Self::Script | Self::Player | Self::LogIn | Self::Kiosk => Needs::Nothing,
+            Self::Style | Self::Script | Self::Sound | Self::Player | Self::LogIn | Self::Kiosk => {
+                Needs::Nothing
+            }
             Self::LogOut | Self::Confirm => return None,
         })
     }
@@ -112,6 +120,7 @@ impl Place {
             | Self::Film
             | Self::Style
             | Self::Script
+            | Self::Sound
             | Self::Player
             | Self::Kiosk => return None,
         })

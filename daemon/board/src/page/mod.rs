@@ -3,6 +3,7 @@
 mod confirmed;
 mod event;
 mod explain;
+mod look;
 mod picture;
 mod plain;
 mod plot;
@@ -32,6 +33,7 @@ pub(crate) fn view(board: &Board, address: &Address) -> String {
         Page::Technician => technician::draw(&mut html, board, words, address),
         Page::Event => event::draw(&mut html, board, words, address),
         Page::Explain => (),
+        Page::Look => look::draw(&mut html, board, words),
     }
     html.finish()
 }
@@ -54,8 +56,11 @@ pub(crate) fn whole(
         Page::Worker => "<noscript><meta http-equiv=\"refresh\" content=\"3\"></noscript>",
         Page::Technician => "<noscript><meta http-equiv=\"refresh\" content=\"30\"></noscript>",
         Page::Event => "<script src=\"/player.js\" defer></script>",
-        Page::Explain => "",
+        Page::Explain | Page::Look => "",
     });
+    if address.page == Page::Worker && address.sound == "on" {
+        html.raw("<script src=\"/sound.js\" defer></script>");
+    }
     html.raw("</head><body class=\"");
     html.raw(if address.page == Page::Worker { "worker" } else { "technician" })
         .raw("\" data-events=\"")
@@ -67,6 +72,7 @@ pub(crate) fn whole(
         Page::Technician => technician::draw_whole(&mut html, board, words, address, visitor),
         Page::Event => event::draw_whole(&mut html, board, words, address, film),
         Page::Explain => explain::draw(&mut html, board, words, address),
+        Page::Look => look::draw_whole(&mut html, board, words, address),
     }
     links(&mut html, board, (lang, words), address, visitor);
     html.raw("</body></html>\n");
@@ -90,19 +96,26 @@ fn lost(html: &mut Html, words: &Table) {
 
 /// The way to the other page and to the other languages, and in or out.
 fn links(html: &mut Html, board: &Board, (own, words): (&str, &Table), address: &Address, visitor: &Visitor) {
-    html.raw("<footer><nav aria-label=\"").text(words.say("label.pages")).raw("\">");
-    for (page, key) in [(Page::Worker, "label.worker"), (Page::Technician, "label.technician")] {
-        html.raw("<a");
-        link(html, &address.on(page), words.say(key), page == address.page);
+    html.raw("<footer>");
+    if !board.settings.is_look {
+        html.raw("<nav aria-label=\"").text(words.say("label.pages")).raw("\">");
+        for (page, key) in [(Page::Worker, "label.worker"), (Page::Technician, "label.technician")] {
+            html.raw("<a");
+            link(html, &address.on(page), words.say(key), page == address.page);
+        }
+        html.raw("</nav>");
     }
-    html.raw("</nav><nav aria-label=\"").text(words.say("label.languages")).raw("\">");
+    html.raw("<nav aria-label=\"").text(words.say("label.languages")).raw("\">");
     for (code, name) in board.settings.tables.languages() {
         let to = Address { lang: code.to_owned(), ..address.clone() };
         html.raw("<a lang=\"").text(code).raw("\" hreflang=\"").text(code).raw("\"");
         link(html, &to, name, code == own);
     }
     html.raw("</nav>");
-    door(html, words, address, visitor);
+    // Where there is the picture alone, nobody logs in.
+    if !board.settings.is_look {
+        door(html, words, address, visitor);
+    }
     html.raw("</footer>");
 }
 

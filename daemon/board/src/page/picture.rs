@@ -103,8 +103,11 @@ fn name(html: &mut Html, board: &Board, words: &Table, thing: &Thing, letter: u3
     html.raw("\" y=\"").text(&place(y - letter as f32 / 2.0, letter)).element("\">", &text, "</text>");
 }
 
-/// What is not seen, in words.
+/// What is not seen, in words; nothing where nobody has said what there is.
 fn unseen(board: &Board, words: &Table, picture: &Picture) -> String {
+    if picture.things.is_empty() {
+        return String::new();
+    }
     let things = picture.things.iter().filter(|thing| thing.visibility == Visibility::Unseen);
     let names: Vec<String> = things.map(|thing| name_of(board, words, thing.what)).collect();
     match names.as_slice() {

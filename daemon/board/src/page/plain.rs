@@ -26,7 +26,8 @@ pub(crate) fn login(board: &Board, address: &Address, why: Option<(&str, String)
         html.raw("<footer><nav aria-label=\"").text(words.say("label.languages")).raw("\">");
         for (code, name) in board.settings.tables.languages() {
             let to = Address { lang: code.to_owned(), ..address.clone() }.login();
-            html.raw("<a href=\"").text(&to).raw("\">").text(name).raw("</a>");
+            html.raw("<a lang=\"").text(code).raw("\" hreflang=\"").text(code).raw("\" href=\"").text(&to);
+            html.raw("\">").text(name).raw("</a>");
         }
         html.raw("</nav></footer>");
     })

@@ -41,6 +41,7 @@ fn settings(port: u16, bind: Ipv4Addr) -> Settings {
         tables: Tables::shipped(),
         language: "en".to_owned(),
         picture: true,
+        is_look: false,
         roles: Vec::new(),
         codes: Vec::new(),
         code_of: |_| None,

@@ -272,6 +272,7 @@ fn settings(config: &Config) -> Result<Settings, RoleError> {
         tables,
         language: config.board.language.clone(),
         picture: config.board.picture,
+        is_look: false,
         roles: config.roles(),
         codes: code::ALL.iter().map(|code| told(code)).collect(),
         code_of: |verdict| code_of(&wire::verdict::read(verdict)?).map(|code| code.number),

@@ -1,9 +1,9 @@
 //! What a person should know of what was seen: one sentence for each thing, with what to do where it is not good enough.
 
+use andon_board::Finding;
 use andon_core::input::Side;
 use andon_host::config::{Config, Object};
 use andon_host::video::pipe::PictureFormat;
-use serde::Serialize;
 
 use super::inspector::{Inspection, side_px};
 
@@ -23,16 +23,6 @@ const EDGE_SIDES: f32 = 0.5;
 
 /// A hand is lost rather than withdrawn if fewer than this share of pictures show it, from the first to the last that does.
 const HELD: f32 = 0.5;
-
-/// One sentence.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub(super) struct Finding {
-    /// Nothing needs to be done.
-    pub(super) is_good: bool,
-    /// What it is about, such as the name of a part.
-    pub(super) about: String,
-    pub(super) sentence: String,
-}
 
 fn finding(is_good: bool, about: &str, sentence: impl Into<String>) -> Finding {
     Finding { is_good, about: about.to_owned(), sentence: sentence.into() }

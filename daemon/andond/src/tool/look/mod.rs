@@ -14,6 +14,7 @@ use std::path::Path;
 use andon_host::config::Config;
 use andon_host::exit::Code;
 use andon_host::video::pipe::PictureFormat;
+use andon_record::picture::{Decoded, encode};
 
 use super::{ToolError, stills};
 use crate::cli::Look;
@@ -27,6 +28,9 @@ use source::Source;
 const PAGE_HZ: f64 = 10.0;
 /// What the page says depends on this many pictures: some seconds.
 const PAGE_PICTURES: usize = 30;
+
+/// The quality of its pictures as JPEG: print and skin stay smooth.
+const QUALITY: u8 = 85;
 
 /// Runs the command.
 ///
@@ -113,7 +117,7 @@ fn report(name: &str, format: PictureFormat, inspections: &[Inspection], config:
 fn show_page(arguments: &Look, config: &Config, port: u16) -> Result<Code, ToolError> {
     let address = SocketAddr::from((Ipv4Addr::LOCALHOST, port));
     let mut veil = veil(arguments, config);
-    let page = Page::serve(address).map_err(|source| ToolError::Page { address, source })?;
+    let page = Page::serve(address, config).map_err(|source| ToolError::Page { address, source })?;
     println!("http://{}/ shows it on this machine; stop with Ctrl-C", page.address());
     loop {
         let mut source = Source::open(arguments.source.as_deref(), config)?;
@@ -133,7 +137,6 @@ fn show_source(
     config: &Config,
 ) -> Result<(), ToolError> {
     let format = source.format();
-    let mut encoder = crate::video::StillEncoder::new("jpg", format)?;
     let mut inspections: Vec<Inspection> = Vec::new();
     let name = source.name();
     let mut next_ns = 0;
@@ -147,12 +150,19 @@ fn show_source(
         if let Some(veil) = &mut veil {
             veil.hide(format, picture.to_mut())?;
         }
-        let annotated = inspector.annotated(format, &picture, &inspection)?;
+        if page.wants_picture() {
+            let pixels = inspector.annotated(format, &picture, &inspection)?;
+            let PictureFormat { width, height, .. } = format;
+            // One that cannot be encoded is not shown.
+            if let Ok(jpeg) = encode(&Decoded { width, height, pixels }, QUALITY) {
+                page.show(jpeg, [width, height]);
+            }
+        }
         if inspections.len() == PAGE_PICTURES {
             inspections.remove(0);
         }
         inspections.push(inspection);
-        page.show(encoder.encode(&annotated)?, &name, sentences(&inspections, config, format));
+        page.say(&name, sentences(&inspections, config, format));
     }
     Ok(())
 }

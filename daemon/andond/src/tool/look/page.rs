@@ -1,92 +1,84 @@
-//! A page on this machine: the newest picture and its sentences, fetched one after the other by a few lines of JavaScript.
+//! `andond look --page`: the board's page for the picture, on this machine, without a line.
 //!
-//! It listens on the loopback address only. A page of another site that a browser on this machine has open must not read it either. A name that leads
-//! here by a trick of the other site's DNS is refused by the header Host. No answer allows other origins.
+//! It listens on the loopback address only, and answers to no other name: see `andon_board`.
 
 use std::io;
 use std::net::SocketAddr;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
-use andon_http::{Request, Response, Server};
-use serde::Serialize;
+use andon_board::{Board, Finding, Picture, Settings, Tables};
+use andon_host::config::Config;
+use andon_http::Server;
+use andon_ipc::MonotonicTime;
 
-use super::findings::Finding;
-
-const HTML: &str = include_str!("page.html");
-const SCRIPT: &str = include_str!("page.js");
-const STYLE: &str = include_str!("page.css");
-
-/// Nothing comes from anywhere else, and nothing of it goes to another site.
-const SAFETY: &[(&str, &str)] = &[
-    (
-        "content-security-policy",
-        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; \
-         base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
-    ),
-    ("x-content-type-options", "nosniff"),
-    ("referrer-policy", "no-referrer"),
-    ("cross-origin-resource-policy", "same-origin"),
-    ("cache-control", "no-store"),
-];
-
-/// The newest picture and what is said of it.
-#[derive(Clone, Default)]
-struct Newest {
-    jpeg: Vec<u8>,
-    words: String,
-}
-
-/// What the page reads as JSON.
-#[derive(Serialize)]
-struct Words<'a> {
-    source: &'a str,
-    lines: Vec<Finding>,
-}
+/// How often browsers are answered.
+const TURN: Duration = Duration::from_millis(20);
 
 /// A page that is being served.
 pub(super) struct Page {
     address: SocketAddr,
-    newest: Arc<Mutex<Newest>>,
+    board: Arc<Mutex<Board>>,
 }
 
 impl Page {
     /// Serves a page in a thread of its own, as long as this process lives.
-    pub(super) fn serve(address: SocketAddr) -> io::Result<Self> {
+    pub(super) fn serve(address: SocketAddr, config: &Config) -> io::Result<Self> {
         let server = Server::bind(address)?;
         let address = server.address();
-        let newest = Arc::<Mutex<Newest>>::default();
-        let shown = Arc::clone(&newest);
+        let board = Arc::new(Mutex::new(Board::new(settings(address, config))));
+        let page = Self { address, board: Arc::clone(&board) };
         std::thread::Builder::new().name("page".into()).spawn(move || {
-            while server.serve_next(|request| answer(request, address.port(), &shown).with(SAFETY)) {}
+            loop {
+                let mut served = locked(&board);
+                served.publish(MonotonicTime::now().nanoseconds());
+                server.serve(|request| served.answer(request));
+                drop(served);
+                std::thread::sleep(TURN);
+            }
         })?;
-        Ok(Self { address, newest })
+        Ok(page)
     }
 
     pub(super) fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// Shows the next picture.
-    pub(super) fn show(&self, jpeg: Vec<u8>, source: &str, lines: Vec<Finding>) {
-        // Texts and truth values always become JSON.
-        let words = serde_json::to_string(&Words { source, lines }).unwrap_or_default();
-        *self.newest.lock().unwrap_or_else(PoisonError::into_inner) = Newest { jpeg, words };
+    /// Whether a browser waits for a picture.
+    pub(super) fn wants_picture(&self) -> bool {
+        locked(&self.board).wants_picture()
+    }
+
+    /// Shows the next picture, with whatever is drawn into it.
+    pub(super) fn show(&self, jpeg: Vec<u8>, size: [u32; 2]) {
+        locked(&self.board).picture(&Picture { jpeg, size, things: Vec::new() });
+    }
+
+    /// Says what the pictures come from and what was found in them.
+    pub(super) fn say(&self, source: &str, findings: Vec<Finding>) {
+        locked(&self.board).look(source, findings);
     }
 }
 
-fn answer(request: &Request, port: u16, newest: &Mutex<Newest>) -> Response {
-    let own = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
-    if !request.host.as_ref().is_some_and(|host| own.contains(host)) {
-        return Response::text(421, "this page is only for this machine\n");
-    }
-    let newest = || newest.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    match request.path.as_str() {
-        "/" => Response::ok("text/html; charset=utf-8", HTML),
-        "/page.js" => Response::ok("text/javascript; charset=utf-8", SCRIPT),
-        "/page.css" => Response::ok("text/css; charset=utf-8", STYLE),
-        "/newest.jpg" => Response::ok("image/jpeg", newest().jpeg),
-        "/newest.json" => Response::ok("application/json", newest().words),
-        _ => Response::text(404, "the page is at /\n"),
+fn locked(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
+    board.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn settings(address: SocketAddr, config: &Config) -> Settings {
+    Settings {
+        station: config.station.name.clone(),
+        bind: address.ip(),
+        port: address.port(),
+        hosts: Vec::new(),
+        is_secure: false,
+        tables: Tables::shipped(),
+        language: config.board.language.clone(),
+        picture: true,
+        is_look: true,
+        roles: Vec::new(),
+        codes: Vec::new(),
+        code_of: |_| None,
+        local_time: |_| String::new(),
     }
 }
 
@@ -98,42 +90,38 @@ mod tests {
     use super::*;
     use std::net::{Ipv4Addr, TcpStream};
 
-    fn asked(page: &Page, request: &str) -> String {
-        let mut stream = TcpStream::connect(page.address()).unwrap();
-        stream.write_all(request.as_bytes()).unwrap();
-        let mut answer = Vec::new();
-        stream.read_to_end(&mut answer).unwrap();
-        String::from_utf8_lossy(&answer).into_owned()
-    }
-
     #[test]
     fn the_page_shows_the_newest_picture_and_its_sentences_to_this_machine_only() {
-        let page = Page::serve(SocketAddr::from((Ipv4Addr::LOCALHOST, 0))).unwrap();
+        let page = Page::serve(SocketAddr::from((Ipv4Addr::LOCALHOST, 0)), &Config::default()).unwrap();
         let finding = Finding { is_good: false, about: "brick".into(), sentence: "not seen".into() };
-        page.show(b"a picture".to_vec(), "a film", vec![finding]);
+        page.say("a film", vec![finding]);
         let port = page.address().port();
-        let get =
-            |path: &str, host: &str| asked(&page, &format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n"));
+        let get = |path: &str, host: &str| {
+            let mut stream = TcpStream::connect(page.address()).unwrap();
+            write!(stream, "GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").unwrap();
+            let mut answer = String::new();
+            stream.read_to_string(&mut answer).unwrap();
+            answer
+        };
         let own = format!("127.0.0.1:{port}");
         let html = get("/", &own);
-        assert!(
-            html.contains("200 OK") && html.contains("page.js") && html.contains("default-src 'none'"),
-            "{html}"
-        );
-        assert!(get("/newest.jpg", &format!("localhost:{port}")).ends_with("a picture"));
-        let words = get("/newest.json", &own);
-        assert!(
-            words.ends_with(
-                r#"{"source":"a film","lines":[{"is_good":false,"about":"brick","sentence":"not seen"}]}"#
-            ),
-            "{words}"
-        );
+        for text in ["200 OK", "default-src 'none'", "a film", "improve", ">brick<", ">not seen<"] {
+            assert!(html.contains(text), "{text} is not in {html}");
+        }
+        std::thread::scope(|scope| {
+            let asked = scope.spawn(|| get("/picture.svg", &format!("localhost:{port}")));
+            while !page.wants_picture() {
+                std::thread::sleep(TURN);
+            }
+            page.show(vec![0; 3], [4, 3]);
+            let picture = asked.join().unwrap();
+            assert!(picture.contains("base64,AAAA\"") && !picture.contains("<text"), "{picture}");
+        });
         for host in ["evil.example", "127.0.0.1", &format!("evil.example:{port}")] {
             assert!(get("/", host).contains("421"), "{host}");
         }
-        assert!(get("/other", &own).contains("404"));
-        assert!(asked(&page, "nonsense\r\n\r\n").contains("400"));
-        assert!(asked(&page, &format!("POST / HTTP/1.1\r\nHost: {own}\r\n\r\n")).contains("405"));
-        assert!(asked(&page, "GET / HTTP/1.1\r\n\r\n").contains("421"));
+        for path in ["/technician", "/technician/event", "/login", "/other"] {
+            assert!(get(path, &own).contains("404"), "{path}");
+        }
     }
 }
