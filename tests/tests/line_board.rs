@@ -506,6 +506,54 @@ fn what_the_camera_sees_before_there_is_a_line_is_a_page_of_the_board_too() {
     browser.until(&tab, IS_LOST);
 }
 
+#[test]
+fn the_worker_sees_a_step_with_its_picture_where_teach_was_asked_to_keep_one() {
+    let mut line = Line::with_film("speed = \"file\"", "", &["-i", "p1_none_r1.mp4"]);
+    let port = with_board(&line);
+    let shipped = root().join("config/jobs/polish-and-measure.toml");
+    line.reconfigure(&format!("job = {shipped:?}"), "job = \"job.toml\"");
+    let job = line.path("job.toml");
+    let films: Vec<String> = ["p1_none_r1.mp4", "p2_none_r1.mp4"]
+        .map(|name| root().join("tests/footage").join(name).to_str().unwrap().to_owned())
+        .into();
+    let config = line.config();
+    let teach = |more: &[&str]| {
+        let mut arguments: Vec<&str> = films.iter().map(String::as_str).collect();
+        arguments.extend(["--force", "--out", job.to_str().unwrap()]);
+        arguments.extend(more);
+        let output =
+            Command::new(andond()).args(["teach", "--config"]).arg(&config).args(arguments).output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    // A job is there before the station is.
+    std::fs::copy(&shipped, &job).unwrap();
+    let pictures = || {
+        let names = std::fs::read_dir(job.parent().unwrap()).unwrap().map(|entry| entry.unwrap().file_name());
+        names.filter(|name| name.to_string_lossy().contains(".step-")).count()
+    };
+    assert!(teach(&["--pictures"]).contains("pictures: of 2 of 2 steps"));
+    assert_eq!(pictures(), 2);
+    line.start("steward");
+    line.start_all_but(&["steward"]);
+    line.start("capture");
+    line.start("board");
+    line.wait_for_log("board", "AND-620", "");
+    let mut browser = Browser::start();
+    let tab = browser.open(&format!("http://localhost:{port}/"), FULL_HD);
+    browser.until(&tab, "[...document.querySelectorAll('.steps img')].filter((picture) => picture.naturalWidth > 0).length === 2");
+    assert_accessible(&mut browser, &tab, "", "steps");
+    for (size, name) in
+        [(FULL_HD, "worker-steps"), (TABLET, "worker-steps-tablet"), (TWICE, "worker-steps-twice")]
+    {
+        browser.resize(&tab, size);
+        keep(&mut browser, &tab, name);
+    }
+    // Nothing of people is left of a job that was taught again without.
+    teach(&[]);
+    assert_eq!(pictures(), 0);
+}
+
 /// A program that is killed when this is dropped.
 struct Running(Child);
 

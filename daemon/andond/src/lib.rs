@@ -27,6 +27,7 @@ pub mod recording;
 pub mod report;
 pub mod role;
 pub mod sight;
+mod step_pictures;
 pub mod tool;
 pub mod video;
 pub mod watch;

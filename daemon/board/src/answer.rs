@@ -83,6 +83,10 @@ impl Board {
             Place::Sound => Response::ok(JAVASCRIPT, SOUND),
             Place::Player => Response::ok(JAVASCRIPT, PLAYER),
             Place::Film => self.of_film(request, visitor),
+            Place::Step => match self.job.picture_at(&request.path) {
+                Some(jpeg) if self.settings.picture => Response::ok("image/jpeg", jpeg),
+                _ => Response::text(404, "there is no picture of such a step\n"),
+            },
             Place::LogIn => self.login_page(&Address::of_login(&request.query), None, 200),
             Place::Kiosk => self.kiosk(request),
             Place::Picture | Place::LogOut | Place::Confirm => {

@@ -29,8 +29,11 @@ pub(crate) fn settings() -> Settings {
 
 /// Polish with the polisher (5) at the brick (6), then measure the brick at the meter (3).
 pub(crate) fn job() -> Job {
-    let step =
-        |name: &str, contexts: &[[u16; 4]]| Step { name: name.to_owned(), contexts: contexts.to_vec() };
+    let step = |name: &str, contexts: &[[u16; 4]]| Step {
+        name: name.to_owned(),
+        contexts: contexts.to_vec(),
+        picture: None,
+    };
     Job {
         hash: 7,
         name: "polish and measure".to_owned(),

@@ -54,7 +54,7 @@ fn settings(port: u16) -> Settings {
 
 /// A job, a part and a fault whose names are markup.
 fn fill(board: &mut Board) {
-    let step = |_| Step { name: MARKUP.to_owned(), contexts: vec![[1, 5, 0, 0]] };
+    let step = |_| Step { name: MARKUP.to_owned(), contexts: vec![[1, 5, 0, 0]], picture: Some(vec![7; 3]) };
     let parts = [(5, MARKUP.to_owned()), (6, MARKUP.to_owned())].into();
     board.job(Job { hash: 7, name: MARKUP.to_owned(), parts, steps: (0..2).map(step).collect() });
     board.line(Line::Ready, MARKUP);
@@ -220,6 +220,8 @@ fn no_path_leads_to_a_file() {
             "/technician/",
             "/favicon.ico",
             "/.git/config",
+            "/step/0000000000000007-3.jpg",
+            "/step/../../etc/passwd",
             "/technician/film/",
             "/technician/film/../../etc/passwd?at=0-0",
             "/technician/film/%2e%2e%2fetc%2fpasswd?at=0-0",

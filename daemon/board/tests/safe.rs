@@ -13,9 +13,10 @@ use andon_board::{Kept, Rank, Was};
 use answer::{cookie, header, status};
 use plant::{PATIENCE, Plant, fault, served, served_at};
 
-const ADDRESSES: [&str; 18] = [
+const ADDRESSES: [&str; 19] = [
     "/",
     "/technician",
+    "/step/0000000000000007-1.jpg",
     "/technician/event?at=17-4",
     "/technician/explain",
     "/technician/film/still.jpg?at=17-4",
@@ -65,6 +66,8 @@ fn each_rank_gets_what_the_table_says_and_nothing_else() {
         for (address, expected) in ADDRESSES.into_iter().zip([
             [303, 200, 200, 200, 200],
             [303, 403, 403, 200, 200],
+            // No step has a picture.
+            [401, 404, 404, 404, 404],
             [303, 403, 403, 200, 200],
             [303, 403, 403, 200, 200],
             // There is none.
@@ -106,6 +109,7 @@ fn each_rank_gets_what_the_table_says_and_nothing_else() {
             assert!(!answer.contains("bench1") && !answer.contains("WrongObject"), "{answer}");
         }
         for (address, expected) in ADDRESSES.into_iter().zip([
+            [405; 5],
             [405; 5],
             [405; 5],
             [405; 5],

@@ -65,16 +65,25 @@ pub(crate) fn read(path: &Path) -> Result<JobFile, RoleError> {
 
 /// The job that the judge says to be in force; `None` where there is none.
 pub(super) fn in_force(config: &Config, judging: &Judging) -> Result<Option<JobFile>, RoleError> {
+    Ok(file_in_force(config, judging)?.map(|(_, job)| job))
+}
+
+/// As [`in_force`], with the file that it is in.
+pub(super) fn file_in_force(
+    config: &Config,
+    judging: &Judging,
+) -> Result<Option<(PathBuf, JobFile)>, RoleError> {
     let Judging { job_id, model_hash, .. } = *judging;
     if model_hash == 0 {
         return Ok(None);
     }
-    let configured = config.station.job.as_deref().and_then(|path| load(path, config).ok());
-    if let Some(job) = configured.filter(|job| job.model_hash() == model_hash) {
-        return Ok(Some(job));
+    if let Some(path) = config.station.job.as_deref()
+        && let Some(job) = load(path, config).ok().filter(|job| job.model_hash() == model_hash)
+    {
+        return Ok(Some((path.to_owned(), job)));
     }
     match select(config, Wanted { job_id, model_hash }) {
-        Ok(found) => load(&found.path, config).map(Some),
+        Ok(found) => load(&found.path, config).map(|job| Some((found.path, job))),
         Err(refusal) => Err(RoleError::LostJob { job_id, refusal }),
     }
 }

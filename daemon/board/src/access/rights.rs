@@ -55,6 +55,8 @@ pub(crate) enum Place {
     Picture,
     /// A picture, the still or the recording of an event.
     Film,
+    /// The picture of a step.
+    Step,
     Style,
     Script,
     Sound,
@@ -80,6 +82,7 @@ impl Place {
             "/kiosk" => Self::Kiosk,
             "/confirm" => Self::Confirm,
             path if path.starts_with(FILM) => Self::Film,
+            path if path.starts_with("/step/") => Self::Step,
             path => Self::Page(Page::at(path, is_look)?),
         };
         // Where there is the picture alone, nobody logs in.
@@ -101,6 +104,7 @@ impl Place {
         Some(match self {
             Self::Page(page) | Self::Events(page) => Needs::ToRead(Self::reader(page)),
             Self::Picture | Self::Film => Needs::ToRead(Rank::Technician),
+            Self::Step => Needs::ToRead(Rank::Worker),
             Self::Style | Self::Script | Self::Sound | Self::Player | Self::LogIn | Self::Kiosk => {
                 Needs::Nothing
             }
@@ -118,6 +122,7 @@ impl Place {
             | Self::Events(_)
             | Self::Picture
             | Self::Film
+            | Self::Step
             | Self::Style
             | Self::Script
             | Self::Sound

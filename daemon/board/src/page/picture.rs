@@ -23,8 +23,9 @@ pub(crate) fn drawn(board: &Board, address: &Address, picture: &Picture) -> Stri
     let (_, words) = board.words(address);
     let [width, height] = picture.size;
     let letter = (width / LETTER).max(8);
-    let unseen = lines(&unseen(board, words, picture));
-    let below = (unseen.len() as u32 * letter * 3).div_ceil(2) + letter / 2;
+    let unseen = unseen(board, words, picture).map_or(Vec::new(), |words| lines(&words));
+    let edge = if unseen.is_empty() { 0 } else { letter / 2 };
+    let below = (unseen.len() as u32 * letter * 3).div_ceil(2) + edge;
     let mut html = Html::default();
     html.raw("<svg xmlns=\"http://www.w3.org/2000/svg\" font-family=\"sans-serif\" fill=\"none\" stroke-linecap=\"round\" viewBox=\"0 0 ");
     html.text(&format!("{width} {}", height + below)).raw("\" font-size=\"").text(&letter.to_string());
@@ -104,16 +105,16 @@ fn name(html: &mut Html, board: &Board, words: &Table, thing: &Thing, letter: u3
 }
 
 /// What is not seen, in words; nothing where nobody has said what there is.
-fn unseen(board: &Board, words: &Table, picture: &Picture) -> String {
+fn unseen(board: &Board, words: &Table, picture: &Picture) -> Option<String> {
     if picture.things.is_empty() {
-        return String::new();
+        return None;
     }
     let things = picture.things.iter().filter(|thing| thing.visibility == Visibility::Unseen);
     let names: Vec<String> = things.map(|thing| name_of(board, words, thing.what)).collect();
-    match names.as_slice() {
+    Some(match names.as_slice() {
         [] => words.say("picture.all_seen").to_owned(),
         names => format!("{}: {}", words.say("label.missing"), names.join(", ")),
-    }
+    })
 }
 
 /// Text in lines, broken at blanks.

@@ -110,6 +110,13 @@ fn steps(html: &mut Html, board: &Board, words: &Table) {
             .text(&(u32::from(step) + 1).to_string())
             .raw("</b> ")
             .text(&known.name);
+        if known.picture.is_some() && board.settings.picture {
+            html.raw("<img src=\"")
+                .text(&board.job.picture_of(step))
+                .raw("\" alt=\"")
+                .text(&known.name)
+                .raw("\">");
+        }
         html.raw("</dd></div>");
     }
     html.raw("</dl>");

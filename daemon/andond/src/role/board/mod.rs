@@ -41,7 +41,7 @@ use super::line::LineHealth;
 use super::{RoleError, disabled, jobs};
 use crate::clock::Clock;
 use crate::report::code_of;
-use crate::{boards, wire};
+use crate::{boards, step_pictures, wire};
 
 /// The longest wait: a browser waits no longer than this to be answered. A verdict ends the wait.
 const TURN: Duration = Duration::from_millis(50);
@@ -294,8 +294,8 @@ fn told(code: &andon_host::log::Code) -> Code {
 
 /// The names in the job in force; those of the parts alone where there is none.
 fn names(config: &Config, judging: &Judging) -> Job {
-    match jobs::in_force(config, judging) {
-        Ok(Some(file)) => names_in(&file),
+    match jobs::file_in_force(config, judging) {
+        Ok(Some((path, file))) => names_in(&path, &file),
         // The role judge says what is wrong with the file of its job.
         _ => Job {
             parts: config.objects.iter().map(|object| (object.id, object.name.clone())).collect(),
@@ -304,16 +304,17 @@ fn names(config: &Config, judging: &Judging) -> Job {
     }
 }
 
-fn names_in(file: &JobFile) -> Job {
-    let step = |number| Step {
+fn names_in(path: &Path, file: &JobFile) -> Job {
+    let step = |(number, picture)| Step {
         name: file.step_name(number),
         contexts: file.step_contexts(number).into_iter().map(|context| context.0).collect(),
+        picture,
     };
     Job {
         hash: file.model_hash(),
         name: file.name.clone(),
         parts: file.objects.iter().map(|object| (object.shape.id, object.name.clone())).collect(),
-        steps: (0..file.steps.len()).map(step).collect(),
+        steps: step_pictures::read(path, file).into_iter().enumerate().map(step).collect(),
     }
 }
 

@@ -112,7 +112,7 @@ fn replay(
 }
 
 /// The verdicts that the next frame leads to, or the end of the recording; `newest` becomes the newest couples.
-fn judge_next<'j>(
+pub(super) fn judge_next<'j>(
     frame: Option<&Frame>,
     encoder: &mut Encoder,
     judge: &mut Judge<'j, Vec<OnlineDtw<'j>>>,

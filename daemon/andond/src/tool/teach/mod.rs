@@ -7,6 +7,7 @@ mod live;
 mod missing_parts;
 mod next;
 mod number;
+mod pictures;
 mod sources;
 
 pub use sources::SourceError;
@@ -32,7 +33,7 @@ use super::{
 };
 use crate::cli::{self, Teach};
 use crate::compatibility::Misfit;
-use crate::role;
+use crate::{role, step_pictures};
 use history::Confirmed;
 use sources::Wanted;
 
@@ -106,7 +107,12 @@ fn learn(
     let (job, report) =
         teach(&runs, &options).map_err(|nothing| missing_parts::explain(&missing, recordings, nothing))?;
     // Before the report is printed: who reads its first line only, as with `head`, ends the process.
-    let written = write(arguments, &job, &report);
+    let written = write(arguments, &job, &report).and_then(|said| {
+        let is_written = report.is_trusted() || arguments.force;
+        let pictures =
+            if is_written { step_pictures(arguments, &job, recordings, config)? } else { String::new() };
+        Ok(said + &pictures)
+    });
     println!("{report}");
     if !missing.is_empty() {
         eprintln!(
@@ -159,6 +165,24 @@ fn write(arguments: &Teach, job: &JobFile, report: &TeachReport) -> Result<Strin
     }
     write_together(files.iter().map(|(path, text)| (*path, text.as_bytes())))?;
     Ok(said)
+}
+
+/// Keeps a picture of each step where that is asked for, and none of the job that the file held before. Says how many there are.
+fn step_pictures(
+    arguments: &Teach,
+    job: &JobFile,
+    recordings: &[PathBuf],
+    config: &Config,
+) -> Result<String, ToolError> {
+    let unwritten = |(path, error): (PathBuf, std::io::Error)| cannot_write(&path)(error);
+    step_pictures::remove(&arguments.out).map_err(unwritten)?;
+    if !arguments.pictures {
+        return Ok(String::new());
+    }
+    let found = pictures::of_steps(job, recordings, config)?;
+    step_pictures::write(&arguments.out, job, &found).map_err(unwritten)?;
+    let (count, all) = (found.iter().flatten().count(), found.len());
+    Ok(format!("pictures: of {count} of {all} steps, beside the job\n"))
 }
 
 /// What to teach from: what was given, or what an existing job was taught from, with the changes that are asked for.
