@@ -10,7 +10,7 @@ use rustix::process::Signal;
 use serde_json::json;
 use shm_schemas::RoleId;
 use std::net::TcpListener;
-use std::process::{Child, Command, Stdio};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 const FULL_HD: [u32; 2] = [1920, 1080];
@@ -483,30 +483,6 @@ fn a_fault_is_heard_where_the_address_asks_for_it_and_nowhere_else() {
 }
 
 #[test]
-fn what_the_camera_sees_before_there_is_a_line_is_a_page_of_the_board_too() {
-    let line = Line::with_film("speed = \"file\"", "", &["-i", "p1_none_r1.mp4"]);
-    let film = root().join("tests/footage/p1_none_r1.mp4");
-    let port = free_port();
-    let mut look = Command::new(andond());
-    look.arg("look").arg(film).arg("-c").arg(line.config()).arg("--page").arg(port.to_string());
-    let look = Running(look.stdout(Stdio::null()).spawn().unwrap());
-    let until = Instant::now() + PATIENCE;
-    while std::net::TcpStream::connect(("127.0.0.1", port)).is_err() {
-        assert!(Instant::now() < until, "nothing listens");
-        std::thread::sleep(Duration::from_millis(50));
-    }
-    let mut browser = Browser::start();
-    let tab = browser.open(&format!("http://localhost:{port}/?lang=de"), FULL_HD);
-    browser.until(&tab, "document.getElementById('picture').naturalWidth > 0");
-    browser.until(&tab, "document.querySelectorAll('#findings .ok').length > 3");
-    browser.until(&tab, "document.getElementById('findings').innerText.includes('polisher')");
-    assert_accessible(&mut browser, &tab, "", "look");
-    keep(&mut browser, &tab, "look-de");
-    drop(look);
-    browser.until(&tab, IS_LOST);
-}
-
-#[test]
 fn the_worker_sees_a_step_with_its_picture_where_teach_was_asked_to_keep_one() {
     let mut line = Line::with_film("speed = \"file\"", "", &["-i", "p1_none_r1.mp4"]);
     let port = with_board(&line);
@@ -552,16 +528,6 @@ fn the_worker_sees_a_step_with_its_picture_where_teach_was_asked_to_keep_one() {
     // Nothing of people is left of a job that was taught again without.
     teach(&[]);
     assert_eq!(pictures(), 0);
-}
-
-/// A program that is killed when this is dropped.
-struct Running(Child);
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
 }
 
 #[test]
