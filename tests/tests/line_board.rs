@@ -184,7 +184,7 @@ fn events_are_listed_newest_first_and_a_deep_link_a_reload_and_the_back_button_k
 
     // A line without a camera has clips without pictures.
     browser.go(&tab, &format!("{board}/technician?fault=fault.Strokes.below"));
-    let clip = "[...document.querySelectorAll('#events td:last-child a')].find((link) => link.textContent.startsWith('\u{25b6}'))";
+    let clip = "[...document.querySelectorAll('#events a[href^=\"/technician/event\"]')].find((link) => link.textContent.startsWith('\u{25b6}'))";
     browser.until(&tab, &format!("Boolean({clip})"));
     browser.value(&tab, &format!("{clip}.click()"));
     browser.until(
@@ -348,7 +348,7 @@ fn an_event_leads_to_its_film_which_steps_and_plays_and_keeps_its_place_until_it
     let board = format!("http://localhost:{port}");
     let mut browser = Browser::start();
     let tab = browser.open(&format!("{board}/technician?fault=fault.Strokes.below"), FULL_HD);
-    let link = "document.querySelector('#events tbody tr td:last-child a')";
+    let link = "document.querySelector('#events tbody a[href^=\"/technician/event\"]')";
     browser.until(&tab, &format!("{link}?.textContent.startsWith('\u{25b6}')"));
     let list = browser.value(&tab, "location.href");
     browser.value(&tab, &format!("{link}.click()"));

@@ -4,6 +4,7 @@
 use andon_tests::browser::{Browser, Tab};
 use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, andond, free_port, status};
 use andon_tests::simulator::Flaw;
+use rustix::process::Signal;
 use serde_json::json;
 use std::fs;
 use std::io::Write as _;
@@ -169,6 +170,55 @@ fn a_technician_logs_in_says_that_a_verdict_was_wrong_and_logs_out() {
     browser.until(&tab, "location.pathname === '/login'");
     browser.go(&tab, &format!("https://localhost:{port}/technician"));
     browser.until(&tab, "location.pathname === '/login'");
+}
+
+#[test]
+fn who_follows_a_link_to_an_event_logs_in_and_sees_its_film_and_nothing_of_it_after_the_logout() {
+    let mut line = Line::with_film("speed = \"file\"", "", &["-i", "p1_J1_r1.mp4"]);
+    let port = on_the_network(&line);
+    done(&line, &["certificate"]);
+    done(&line, &["login", "maria", "--role", "technician"]);
+    line.record("fault");
+    let mut watcher = line.launch_recorded();
+    line.start("board");
+    line.wait_for_log("board", "AND-620", "https://");
+    line.start("capture");
+    watcher.until("the fault", |watcher| watcher.verdicts.iter().any(|verdict| verdict.outcome == 2));
+    let fault = watcher.verdicts.iter().find(|verdict| verdict.outcome == 2).unwrap().stamp.id();
+    line.wait_for_log("record", "AND-411", "");
+    line.roles.retain(|role| role.role != "capture");
+    // What it has begun is whole when it has ended.
+    line.role("record").signal(Signal::TERM);
+    line.role("record").wait();
+
+    let event = format!("/technician/event?lang=de&at={}-{}", fault.epoch, fault.seq);
+    let mut browser = Browser::start_with(&["--ignore-certificate-errors"]);
+    let tab = browser.open(&format!("https://localhost:{port}{event}"), FULL_HD);
+    browser.until(&tab, "location.pathname === '/login' && document.readyState === 'complete'");
+    assert_eq!(browser.faults(&tab, ""), [""; 0], "the login");
+    log_in(&mut browser, &tab, "maria", PASSWORD);
+    browser.until(&tab, &format!("location.pathname + location.search === {}", json!(event)));
+    browser.until(&tab, "document.getElementById('frame')?.naturalWidth > 0");
+    browser.until(&tab, "document.querySelector('#still img').naturalWidth > 0");
+    assert_eq!(browser.value(&tab, "document.querySelector('form.out span').textContent"), json!("maria"));
+    for (size, name) in [([1920, 2400], "event-login"), (TABLET, "event-login-tablet")] {
+        browser.resize(&tab, size);
+        let wide = "document.documentElement.scrollWidth <= innerWidth";
+        assert_eq!(browser.value(&tab, wide), json!(true), "{name}");
+        assert_eq!(browser.faults(&tab, ""), [""; 0], "{name}");
+        keep(&mut browser, &tab, name);
+    }
+    let download = "fetch(document.querySelector('a[download]').href).then((answer) => answer.headers.get('content-disposition'))";
+    assert_eq!(browser.value(&tab, download), json!("attachment"));
+    browser.value(&tab, "document.querySelector('form.out button').click()");
+    browser.until(&tab, "location.pathname === '/login'");
+    for name in ["still.jpg", "frame.svg", "one.mcap"] {
+        let status = format!(
+            "fetch('/technician/film/{name}?frame=0&at={}-{}').then((answer) => answer.status)",
+            fault.epoch, fault.seq
+        );
+        assert_eq!(browser.value(&tab, &status), json!(401), "{name}");
+    }
 }
 
 #[test]

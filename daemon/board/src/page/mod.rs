@@ -122,8 +122,8 @@ fn links(html: &mut Html, board: &Board, (own, words): (&str, &Table), address: 
 /// The way in, or the name of who is in and the way out.
 fn door(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor) {
     let Some(session) = &visitor.session else {
-        html.raw("<nav><a href=\"").text(&address.login()).raw("\">");
-        html.text(words.say("login.enter")).raw("</a></nav>");
+        html.raw("<nav aria-label=\"").text(words.say("login.title")).raw("\"><a href=\"");
+        html.text(&address.login()).raw("\">").text(words.say("login.enter")).raw("</a></nav>");
         return;
     };
     html.raw("<form class=\"out\" method=\"post\" action=\"/logout\">");
