@@ -37,7 +37,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         };
         let results =
             (0..=self.doubt.end_frames()).map_while(|frames| Some((if_ended_after(frames)?, frames)));
-        self.held = results.last().map(|(wrong, remaining)| Held { open, wrong, remaining });
+        self.held = results.last().map(|(wrong, remaining)| {
+            let open = OpenIu { measured: wrong.measured, ..open };
+            Held { open, wrong, remaining }
+        });
         self.held.is_some()
     }
 
@@ -69,9 +72,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// The motion of the open IU is wrong.
     pub(super) fn conclude_wrong(&mut self, result: ComparisonResult, progress: &mut Progress<'a>) {
         let nominal = Some(result.nominal);
-        if let Some(iu) = &mut self.iu {
-            iu.measured = result.measured;
-        }
         if let Some(activity) = &mut self.activity {
             activity.follow(nominal, result.index + 1);
         }
