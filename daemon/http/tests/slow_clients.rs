@@ -2,29 +2,14 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod support;
+
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use andon_http::{Request, Response, Server};
-
-/// Only a failing test waits for so long.
-const PATIENCE: Duration = Duration::from_secs(30);
-
-fn connect(server: &Server) -> TcpStream {
-    let stream = TcpStream::connect(server.address()).unwrap();
-    stream.set_read_timeout(Some(PATIENCE)).unwrap();
-    stream
-}
-
-/// Everything that comes until the server closes.
-fn remaining(mut stream: TcpStream) -> String {
-    let mut answer = String::new();
-    // A client that was cut off reads an error.
-    let _ = stream.read_to_string(&mut answer);
-    answer
-}
+use support::{connect, remaining, served_by};
 
 fn ask(server: &Server, request: &str) -> String {
     let mut stream = connect(server);
@@ -44,23 +29,7 @@ fn answer(request: &Request) -> Response {
 
 /// Runs a test beside the loop that answers.
 fn served(test: impl FnOnce(&Server)) {
-    let server = Server::bind(([127, 0, 0, 1], 0).into()).unwrap();
-    beside_its_loop(&server, || test(&server));
-}
-
-fn beside_its_loop(server: &Server, test: impl FnOnce()) {
-    let is_over = AtomicBool::new(false);
-    std::thread::scope(|scope| {
-        scope.spawn(|| {
-            while !is_over.load(Ordering::Relaxed) {
-                server.serve(answer);
-                std::thread::sleep(Duration::from_millis(1));
-            }
-        });
-        let tested = std::panic::catch_unwind(std::panic::AssertUnwindSafe(test));
-        is_over.store(true, Ordering::Relaxed);
-        tested.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-    });
+    served_by(&Server::bind(([127, 0, 0, 1], 0).into()).unwrap(), answer, test);
 }
 
 #[test]
@@ -121,7 +90,7 @@ fn a_client_that_waits_for_its_answer_is_not_slow() {
     clients.push(connect(&server));
     clients.last_mut().into_iter().for_each(ask);
     std::thread::sleep(Duration::from_millis(200));
-    beside_its_loop(&server, || {
+    served_by(&server, answer, |_| {
         let answers: Vec<String> = clients.into_iter().map(remaining).collect();
         // On a machine that is busy they may hear that the loop stands still. None is cut off.
         assert!(answers.iter().all(|answer| answer.starts_with("HTTP/1.1 ")), "{answers:?}");

@@ -45,6 +45,11 @@ pub(crate) fn answer(request: &Request) -> Response {
 
 /// Runs a test beside the loop that answers.
 pub(crate) fn served(server: &Server, test: impl FnOnce(&Server)) {
+    served_by(server, answer, test);
+}
+
+/// The same with other answers.
+pub(crate) fn served_by(server: &Server, answer: fn(&Request) -> Response, test: impl FnOnce(&Server)) {
     let is_over = AtomicBool::new(false);
     std::thread::scope(|scope| {
         scope.spawn(|| {
