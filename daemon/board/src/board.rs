@@ -6,7 +6,7 @@ use std::net::IpAddr;
 use shm_schemas::{Health, JudgePhase, Judging, MessageId, RoleId, Verdict, VerdictLevel};
 
 use crate::access::Access;
-use crate::address::{Address, Page, event_name};
+use crate::address::{Address, Page};
 use crate::clips::Clips;
 use crate::code::Code;
 use crate::confirm::{Asked, Confirmations, Was};
@@ -60,6 +60,28 @@ pub struct Settings {
     pub code_of: fn(&Verdict) -> Option<u32>,
     /// A time as people there read it, from nanoseconds since 1970 UTC.
     pub local_time: fn(u64) -> String,
+}
+
+impl Settings {
+    /// A board in English that shows pictures and has no roles, codes or clock. The rest is for its caller to say.
+    #[must_use]
+    pub fn new(station: &str, bind: IpAddr, port: u16) -> Self {
+        Self {
+            station: station.to_owned(),
+            bind,
+            port,
+            hosts: Vec::new(),
+            is_secure: false,
+            tables: Tables::shipped(),
+            language: "en".to_owned(),
+            picture: true,
+            is_look: false,
+            roles: Vec::new(),
+            codes: Vec::new(),
+            code_of: |_| None,
+            local_time: |utc_ns| utc_ns.to_string(),
+        }
+    }
 }
 
 /// What happened before the board began.
@@ -249,7 +271,7 @@ impl Board {
 
     /// The event of this name.
     pub(crate) fn event(&self, name: &str) -> Option<&Verdict> {
-        self.events.iter().find(|event| event_name(event.stamp.id()) == name)
+        self.events.iter().find(|event| event.stamp.id().to_string() == name)
     }
 
     /// What the picture comes from, and what was found in it.

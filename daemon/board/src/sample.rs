@@ -6,25 +6,10 @@ use shm_schemas::{Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
 
 use crate::board::Settings;
 use crate::job::{Job, Step};
-use crate::words::Tables;
 
 /// What a board is given.
 pub(crate) fn settings() -> Settings {
-    Settings {
-        station: "bench1".to_owned(),
-        bind: IpAddr::V4(Ipv4Addr::LOCALHOST),
-        port: 9465,
-        hosts: Vec::new(),
-        is_secure: false,
-        tables: Tables::shipped(),
-        language: "en".to_owned(),
-        picture: true,
-        is_look: false,
-        roles: Vec::new(),
-        codes: Vec::new(),
-        code_of: |_| None,
-        local_time: |utc_ns| utc_ns.to_string(),
-    }
+    Settings::new("bench1", IpAddr::V4(Ipv4Addr::LOCALHOST), 9465)
 }
 
 /// Polish with the polisher (5) at the brick (6), then measure the brick at the meter (3).

@@ -8,9 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{LazyLock, Mutex};
 use std::time::{Duration, Instant};
 
-use andon_board::{
-    Board, Code, Film, Job, Line, Picture, Settings, Step, Tables, Thing, Visibility, Wanted, What,
-};
+use andon_board::{Board, Code, Film, Job, Line, Picture, Settings, Step, Thing, Visibility, Wanted, What};
 use andon_http::{Response, Server};
 use shm_schemas::{
     JudgePhase, Judging, PartId, RoleId, Verdict, VerdictLevel, VerdictOutcome, VerdictReason,
@@ -28,17 +26,19 @@ fn now_ns() -> u64 {
 /// What an engineer may have typed, or somebody who means harm.
 const MARKUP: &str = "\"><script>alert(1)</script><img src=x onerror=alert(1)>";
 
+/// A place of each kind.
+const PATHS: [&str; 7] = [
+    "/",
+    "/technician",
+    "/technician/event",
+    "/technician/explain",
+    "/technician/film/still.jpg",
+    "/events",
+    "/board.js",
+];
+
 fn settings(port: u16) -> Settings {
     Settings {
-        station: MARKUP.to_owned(),
-        bind: Ipv4Addr::LOCALHOST.into(),
-        port,
-        hosts: Vec::new(),
-        is_secure: false,
-        tables: Tables::shipped(),
-        language: "en".to_owned(),
-        picture: true,
-        is_look: false,
         roles: vec![RoleId::Judge],
         codes: vec![Code {
             number: 307,
@@ -49,6 +49,7 @@ fn settings(port: u16) -> Settings {
         }],
         code_of: |_| Some(307),
         local_time: |_| MARKUP.to_owned(),
+        ..Settings::new(MARKUP, Ipv4Addr::LOCALHOST.into(), port)
     }
 }
 
@@ -144,15 +145,7 @@ fn a_browser_that_calls_the_board_by_another_name_reads_nothing() {
         for host in
             ["evil.example", &format!("evil.example:{port}"), "127.0.0.1", "", &format!("0.0.0.0:{port}")]
         {
-            for path in [
-                "/",
-                "/technician",
-                "/technician/event",
-                "/technician/explain",
-                "/technician/film/still.jpg",
-                "/events",
-                "/board.js",
-            ] {
+            for path in PATHS {
                 let answer = sent(port, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
                 assert!(
                     answer.starts_with("HTTP/1.1 421 ") && !answer.contains("<html"),
@@ -175,15 +168,7 @@ fn a_page_of_another_site_loads_nothing_and_a_link_of_it_leads_here() {
         let asked = |path: &str, fetch: &str| {
             sent(port, format!("GET {path} HTTP/1.1\r\nHost: localhost:{port}\r\n{fetch}\r\n").as_bytes())
         };
-        for path in [
-            "/",
-            "/technician",
-            "/technician/event",
-            "/technician/explain",
-            "/technician/film/still.jpg",
-            "/events",
-            "/board.js",
-        ] {
+        for path in PATHS {
             for fetch in [
                 "Sec-Fetch-Site: cross-site\r\n",
                 "Sec-Fetch-Site: same-site\r\nSec-Fetch-Mode: no-cors\r\nSec-Fetch-Dest: script\r\n",

@@ -8,7 +8,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
-use andon_board::{Asked, Board, Logins, NoFilm, Rank, Settings, Tables, Wanted};
+use andon_board::{Asked, Board, Logins, NoFilm, Rank, Settings, Wanted};
 use andon_http::{Offer, Response, Server};
 use shm_schemas::{Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
 
@@ -31,30 +31,12 @@ pub(crate) struct Plant {
     pub(crate) is_over: AtomicBool,
 }
 
-fn settings(port: u16, bind: Ipv4Addr) -> Settings {
-    Settings {
-        station: "bench1".to_owned(),
-        bind: bind.into(),
-        port,
-        hosts: Vec::new(),
-        is_secure: false,
-        tables: Tables::shipped(),
-        language: "en".to_owned(),
-        picture: true,
-        is_look: false,
-        roles: Vec::new(),
-        codes: Vec::new(),
-        code_of: |_| None,
-        local_time: |utc_ns| utc_ns.to_string(),
-    }
-}
-
 /// Runs a test beside a board that listens on this address; what is tried is over the loopback address all the same.
 pub(crate) fn served_at(bind: Ipv4Addr, test: impl FnOnce(&Plant)) {
     let offer = Offer { takes_forms: true, tls: None };
     let server = Server::bind_with((Ipv4Addr::LOCALHOST, 0).into(), offer).unwrap();
     let port = server.address().port();
-    let mut board = Board::new(settings(port, bind));
+    let mut board = Board::new(Settings::new("bench1", bind.into(), port));
     board.verdict(&fault(4));
     let plant = Plant {
         port,

@@ -7,7 +7,7 @@ use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use andon_board::{Board, Finding, Picture, Settings, Tables};
+use andon_board::{Board, Finding, Picture, Settings};
 use andon_host::config::Config;
 use andon_http::Server;
 use andon_ipc::MonotonicTime;
@@ -66,19 +66,9 @@ fn locked(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
 
 fn settings(address: SocketAddr, config: &Config) -> Settings {
     Settings {
-        station: config.station.name.clone(),
-        bind: address.ip(),
-        port: address.port(),
-        hosts: Vec::new(),
-        is_secure: false,
-        tables: Tables::shipped(),
         language: config.board.language.clone(),
-        picture: true,
         is_look: true,
-        roles: Vec::new(),
-        codes: Vec::new(),
-        code_of: |_| None,
-        local_time: |_| String::new(),
+        ..Settings::new(&config.station.name, address.ip(), address.port())
     }
 }
 
