@@ -1,5 +1,7 @@
 //! The stamp with which every message begins.
 
+use core::fmt;
+
 use crate::layout::{Layout, wire};
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
@@ -20,12 +22,27 @@ wire! { "andon.Stamp", 40;
 }
 
 /// Which message of a channel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MessageId {
     /// The start of the writer that sent it, see [`Stamp::epoch`].
     pub epoch: u64,
     /// Its number in this epoch, from 1; 0 for none.
     pub seq: u64,
+}
+
+/// `EPOCH-SEQ`: its name in files, addresses and texts.
+impl fmt::Display for MessageId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}-{}", self.epoch, self.seq)
+    }
+}
+
+impl MessageId {
+    /// The message of this name; `None` where it is none.
+    pub fn named(name: &str) -> Option<Self> {
+        let (epoch, seq) = name.split_once('-')?;
+        Some(Self { epoch: epoch.parse().ok()?, seq: seq.parse().ok()? })
+    }
 }
 
 impl Stamp {

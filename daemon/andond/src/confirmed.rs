@@ -2,10 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use andon_board::Was;
 use andon_journal::{History, JournalError};
 use shm_schemas::{AuditKind, MessageId};
-
-use crate::cli::Was;
 
 /// What a person has said of a verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,19 +14,11 @@ pub(crate) struct Confirmed {
     pub(crate) was: Was,
 }
 
-/// The word for it.
-pub(crate) fn word(was: Was) -> &'static str {
-    match was {
-        Was::Right => "right",
-        Was::Wrong => "wrong",
-    }
-}
-
 impl Confirmed {
     /// As the journal has it.
     pub(crate) fn text(self) -> String {
-        let Self { row, id: MessageId { epoch, seq }, was } = self;
-        format!("verdict {row} of {epoch}-{seq} was on work that was {}", word(was))
+        let Self { row, id, was } = self;
+        format!("verdict {row} of {id} was on work that was {}", was.name())
     }
 
     /// What the journal has, if it is one of these.
@@ -39,15 +30,13 @@ impl Confirmed {
         if kind != AuditKind::Confirmation.name() {
             return None;
         }
-        let (epoch, seq) = id.split_once('-')?;
-        let id = MessageId { epoch: epoch.parse().ok()?, seq: seq.parse().ok()? };
-        let was = [Was::Right, Was::Wrong].into_iter().find(|known| word(*known) == *was)?;
-        Some(Self { row: row.parse().ok()?, id, was })
+        let was = Was::ALL.into_iter().find(|known| known.name() == *was)?;
+        Some(Self { row: row.parse().ok()?, id: MessageId::named(id)?, was })
     }
 }
 
-/// What was said last, and by whom, of each verdict, by epoch and number.
-pub(crate) type Said = BTreeMap<(u64, u64), (Confirmed, String)>;
+/// What was said last, and by whom, of each verdict.
+pub(crate) type Said = BTreeMap<MessageId, (Confirmed, String)>;
 
 /// What people have said since this time, by verdict, and who has; of each the newest counts. In a new journal the number of a row means another
 /// verdict.
@@ -58,8 +47,7 @@ pub(crate) fn since(history: &History, utc_ns: Option<u64>) -> Result<Said, Jour
     let mut found = BTreeMap::new();
     history.visit_audit(utc_ns, |entry| {
         if let Some(confirmed) = Confirmed::read(&entry.kind, &entry.what) {
-            let MessageId { epoch, seq } = confirmed.id;
-            found.insert((epoch, seq), (confirmed, entry.who));
+            found.insert(confirmed.id, (confirmed, entry.who));
         }
         Ok(())
     })?;
@@ -74,7 +62,7 @@ mod tests {
 
     #[test]
     fn what_a_person_has_said_is_read_as_it_was_written_and_nothing_else_is() {
-        for was in [Was::Right, Was::Wrong] {
+        for was in Was::ALL {
             let said = Confirmed { row: 4711, id: MessageId { epoch: u64::MAX, seq: u64::MAX }, was };
             assert_eq!(Confirmed::read(KIND, &said.text()), Some(said));
             assert_eq!(Confirmed::read("login", &said.text()), None);

@@ -1,7 +1,5 @@
 //! The address of a page: which page, in which language, which events. Every link keeps what it does not change.
 
-use shm_schemas::MessageId;
-
 /// A page for people.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) enum Page {
@@ -64,11 +62,6 @@ pub(crate) struct Address {
     pub(crate) sound: String,
     /// Whether the reader may say that a verdict was right. No query says so.
     pub(crate) may_confirm: bool,
-}
-
-/// What an event is called in addresses.
-pub(crate) fn event_name(MessageId { epoch, seq }: MessageId) -> String {
-    format!("{epoch}-{seq}")
 }
 
 /// No language, fault or event has a longer name. Every row of a list repeats the values in its link.

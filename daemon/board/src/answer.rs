@@ -1,6 +1,7 @@
 //! What the board answers: first whether the asker may have it, then what it is.
 
 use andon_http::{Request, Response};
+use shm_schemas::MessageId;
 
 use crate::access::{FILM, Login, Logins, Needs, Place, Rank, Refused, Tried, Try, Visitor};
 use crate::address::{Address, Page, is_plain};
@@ -254,7 +255,7 @@ impl Board {
     fn ask_to_confirm(&mut self, form: &Form, visitor: &Visitor, address: Address) -> Response {
         let said = Was::ALL.into_iter().find_map(|was| {
             let verdict = form.get(was.name());
-            (!verdict.is_empty()).then(|| (was, crate::confirm::verdict_of(verdict)))
+            (!verdict.is_empty()).then(|| (was, MessageId::named(verdict)))
         });
         let (Some((was, Some(verdict))), Some(session)) = (said, &visitor.session) else {
             return Response::text(400, "the form names no verdict\n");

@@ -82,9 +82,3 @@ impl Board {
         self.version += 1;
     }
 }
-
-/// A verdict as the pages name it.
-pub(crate) fn verdict_of(name: &str) -> Option<MessageId> {
-    let (epoch, seq) = name.split_once('-')?;
-    Some(MessageId { epoch: epoch.parse().ok()?, seq: seq.parse().ok()? })
-}

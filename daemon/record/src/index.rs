@@ -113,5 +113,5 @@ pub(crate) fn path_of(recording: &Path) -> PathBuf {
 /// Where the still of a verdict lies.
 #[must_use]
 pub fn still_of(recording: &Path, verdict: MessageId) -> PathBuf {
-    recording.with_extension(format!("{}-{}.jpg", verdict.epoch, verdict.seq))
+    recording.with_extension(format!("{verdict}.jpg"))
 }

@@ -17,7 +17,7 @@ use prost::Message as _;
 use serde::{Deserialize, Serialize};
 use shm_schemas::{
     AccountKept, AccountUpdate, Audit, Command, Couples, Detections, Health, Journalled, JudgePhase, Judging,
-    MessageId, Stamp, Verdict, VerdictMeasure, VerdictOutcome, bytes_of, flag,
+    Stamp, Verdict, VerdictMeasure, VerdictOutcome, bytes_of, flag,
 };
 
 use crate::disk::Disk;
@@ -389,10 +389,10 @@ impl<N: Narrator> Recording<N> {
 
     /// Puts the picture that an anomaly was decided on beside the recording. Where the camera has sent no picture yet, nobody expects one.
     fn keep_still(&mut self, verdict: &Verdict) {
-        let MessageId { epoch, seq } = verdict.stamp.id();
+        let id = verdict.stamp.id();
         match self.still(verdict) {
-            Some(jpeg) => self.recorder.still(MessageId { epoch, seq }, jpeg),
-            None if self.has_pictures => log!(code::STILL_MISSING, "there is no {epoch}-{seq}.jpg"),
+            Some(jpeg) => self.recorder.still(id, jpeg),
+            None if self.has_pictures => log!(code::STILL_MISSING, "there is no {id}.jpg"),
             None => (),
         }
     }

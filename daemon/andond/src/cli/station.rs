@@ -229,6 +229,15 @@ pub enum Was {
     Wrong,
 }
 
+impl From<Was> for andon_board::Was {
+    fn from(was: Was) -> Self {
+        match was {
+            Was::Right => Self::Right,
+            Was::Wrong => Self::Wrong,
+        }
+    }
+}
+
 /// `andond forget`
 #[derive(Debug, Args)]
 pub struct Forget {

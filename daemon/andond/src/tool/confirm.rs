@@ -5,7 +5,7 @@ use shm_schemas::AuditKind;
 
 use super::{ToolError, audit, clip, running_config};
 use crate::cli::Confirm;
-use crate::confirmed::{Confirmed, word};
+use crate::confirmed::Confirmed;
 
 /// Runs the command; it ends when the journal has it.
 ///
@@ -14,8 +14,8 @@ use crate::confirmed::{Confirmed, word};
 pub fn run(arguments: &Confirm) -> Result<Code, ToolError> {
     let config = running_config(&arguments.config)?.config;
     let verdict = clip::verdict(&config, arguments.row)?;
-    let confirmed = Confirmed { row: arguments.row, id: verdict.stamp.id(), was: arguments.was };
+    let confirmed = Confirmed { row: arguments.row, id: verdict.stamp.id(), was: arguments.was.into() };
     audit::keep(&config, AuditKind::Confirmation, &confirmed.text())?;
-    println!("kept: verdict {} was on work that was {}", arguments.row, word(arguments.was));
+    println!("kept: verdict {} was on work that was {}", arguments.row, confirmed.was.name());
     Ok(Code::Stopped)
 }

@@ -7,7 +7,7 @@ use shm_schemas::{Health, RoleId, RoleState, Verdict, VerdictLevel};
 use super::state::{State, state};
 use super::{confirmed, explain, plot, shift};
 use crate::access::Visitor;
-use crate::address::{Address, Page, event_name};
+use crate::address::{Address, Page};
 use crate::board::Board;
 use crate::html::Html;
 use crate::told::{Teller, fault_key, measures, number, outcome_key};
@@ -173,7 +173,7 @@ fn filter(html: &mut Html, board: &Board, words: &Table, address: &Address) {
 }
 
 pub(super) fn name_of(verdict: &Verdict) -> String {
-    event_name(verdict.stamp.id())
+    verdict.stamp.id().to_string()
 }
 
 fn events(html: &mut Html, board: &Board, words: &Table, address: &Address) {

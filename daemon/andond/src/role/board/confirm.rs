@@ -12,7 +12,6 @@ use andon_journal::{History, JournalError};
 use shm_schemas::{Audit, AuditKind, MessageId};
 
 use super::super::audit::Auditor;
-use crate::cli;
 use crate::confirmed::{self, Confirmed};
 use crate::role::RoleError;
 
@@ -67,7 +66,7 @@ impl Confirmer {
         self.waiting.extend(board.take_asked());
         while self.open.len() < AT_ONCE && !self.waiting.is_empty() {
             let asked = self.waiting.remove(0);
-            let (path, verdict, was) = (self.path.clone(), asked.verdict, was_of(asked.was));
+            let (path, verdict, was) = (self.path.clone(), asked.verdict, asked.was);
             match Builder::new().name("find".into()).spawn(move || find(&path, verdict, was)) {
                 Ok(finding) => self.open.push((asked, Stage::Find(finding))),
                 Err(_) => board.answer_asked(asked, Kept::Unkept),
@@ -94,7 +93,7 @@ impl Confirmer {
         while let Some(audit) = self.said.take()? {
             let kind = AuditKind::try_from(audit.kind).map_or("", AuditKind::name);
             if let Some(said) = Confirmed::read(kind, audit.what()) {
-                board.confirmed(said.id, board_was(said.was), audit.who());
+                board.confirmed(said.id, said.was, audit.who());
             }
         }
         Ok(())
@@ -127,11 +126,11 @@ impl Confirmer {
     }
 }
 
-fn find(path: &Path, verdict: MessageId, was: cli::Was) -> Result<Found, JournalError> {
+fn find(path: &Path, verdict: MessageId, was: Was) -> Result<Found, JournalError> {
     let history = History::open_read_only(path)?;
     let Some(row) = history.row(verdict)? else { return Ok(Found::Nothing) };
     let said = confirmed::since(&history, None)?;
-    let last = said.get(&(verdict.epoch, verdict.seq)).map(|(confirmed, _)| confirmed.was);
+    let last = said.get(&verdict).map(|(confirmed, _)| confirmed.was);
     Ok(match last {
         Some(last) if last == was => Found::Said,
         _ => Found::Row(Confirmed { row, id: verdict, was }),
@@ -141,31 +140,15 @@ fn find(path: &Path, verdict: MessageId, was: cli::Was) -> Result<Found, Journal
 /// Waits until the journal has it on disk.
 fn is_kept(path: &Path, since_utc_ns: u64, who: &str, confirmed: Confirmed) -> bool {
     let began = Instant::now();
-    let MessageId { epoch, seq } = confirmed.id;
     while began.elapsed() < PATIENCE {
         // While the log is being made it cannot be read.
         let said =
             History::open_read_only(path).and_then(|history| confirmed::since(&history, Some(since_utc_ns)));
-        let last = said.ok().and_then(|mut said| said.remove(&(epoch, seq)));
+        let last = said.ok().and_then(|mut said| said.remove(&confirmed.id));
         if last.is_some_and(|(known, by)| known == confirmed && by == who) {
             return true;
         }
         sleep(LOOK);
     }
     false
-}
-
-fn was_of(was: Was) -> cli::Was {
-    match was {
-        Was::Right => cli::Was::Right,
-        Was::Wrong => cli::Was::Wrong,
-    }
-}
-
-/// As the board calls it.
-pub(super) fn board_was(was: cli::Was) -> Was {
-    match was {
-        cli::Was::Right => Was::Right,
-        cli::Was::Wrong => Was::Wrong,
-    }
 }

@@ -11,7 +11,6 @@ use andon_journal::{Entry, History, JournalError, NotWatching, Query};
 use jiff::Timestamp;
 
 use super::super::error::report_journal;
-use super::confirm::board_was;
 use super::{is_due, midnight_utc_ns, nanoseconds};
 use crate::confirmed;
 
@@ -84,7 +83,7 @@ fn read(path: &Path) -> Read {
         Ok(())
     })?;
     let said = confirmed::since(&history, Some(since_utc_ns))?.into_values();
-    past.confirmed.extend(said.map(|(said, who)| (said.id, board_was(said.was), who)));
+    past.confirmed.extend(said.map(|(said, who)| (said.id, said.was, who)));
     // It lasts.
     past.unwatched.extend(open.map(|began_utc_ns| [began_utc_ns, nanoseconds(Timestamp::now())]));
     Ok(past)

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
+use andon_board::Was;
 use andon_host::atomic::{self, folder_of};
 use andon_host::config::Config;
 use andon_journal::History;
@@ -12,7 +13,6 @@ use andon_record::store;
 use shm_schemas::{MessageId, flag};
 
 use crate::blackbox::{Frames, Piece, piece_of, station_of};
-use crate::cli::Was;
 use crate::confirmed;
 use crate::recorder::{Recorder, header};
 use crate::tool::clip::recordings;
@@ -75,8 +75,8 @@ fn once_each(mut runs: Vec<PathBuf>, is_source: &dyn Fn(&str) -> bool) -> Vec<Pa
 }
 
 /// The name of a run: of all verdicts that there ever are, this one has it.
-fn name_of(MessageId { epoch, seq }: MessageId) -> String {
-    format!("confirmed-{epoch}-{seq}.tracks.jsonl")
+fn name_of(verdict: MessageId) -> String {
+    format!("confirmed-{verdict}.tracks.jsonl")
 }
 
 /// Writes the piece that a verdict is on. False where the recording has not all of it or cannot be read, which is said. Half a run teaches what is
