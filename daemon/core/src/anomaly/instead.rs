@@ -29,7 +29,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             strokes > 0 && iu.measures.reversals >= strokes && iu.frames >= shown(*nominal).quickest()
         };
         if let Some(nominal) = activity.like.iter().find(has_stroked) {
-            progress.set_done_instead(activity.number, nominal);
+            progress.set_done_instead(self.side, activity.number, nominal);
         }
     }
 }

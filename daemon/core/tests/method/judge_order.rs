@@ -293,3 +293,15 @@ fn what_begins_after_the_first_touch_has_not_begun_before_it() {
         assert_eq!(said(after_its_end, both_at_once), not_begun(), "{both_at_once}");
     }
 }
+
+#[test]
+fn a_job_begins_with_the_step_of_one_hand_although_the_other_one_touched_its_part_before_and_let_go() {
+    let frames = |parts: &[Part]| parts.iter().map(|part| part.frames).sum::<usize>();
+    for wait in [1, 10, 19] {
+        let work = after(wait, &polish(6));
+        let touch = [part([2, 4, 0, 0], 20, Still), idle(frames(&work) - 20)];
+        let verdicts = judged(&job_of_parts_that_move(FREE), &stream(&work, &touch));
+        let job = job_of(&verdicts);
+        assert_eq!((short(&job).as_str(), job.nearest), ("JobAnomaly NotCompleted", Some(1)), "{wait}");
+    }
+}

@@ -65,8 +65,8 @@ struct JobState {
     activities: u16,
     /// How many of them were none: the hand moved nothing, or put right what was done.
     given_up: u16,
-    /// The number of the first of them that is a step of the job, as far as its first IU shows.
-    first_step: Option<u16>,
+    /// For each hand, the number of the first of them that is a step of the job, as far as its first IU shows.
+    first_steps: [Option<u16>; HANDS],
     /// Activities that were done right.
     done: ActivitySet,
     /// Activities that were done but not judged.
@@ -111,6 +111,11 @@ impl JobState {
     fn new(job: &Job<'_>) -> Self {
         let required = job.whose_law(|law| law.is_required);
         Self { required, carried_over: job.numbers(), ..Self::default() }
+    }
+
+    /// The number of the first activity that is a step of the job, as far as its first IU shows.
+    fn first_step(&self) -> Option<u16> {
+        self.first_steps.into_iter().flatten().min()
     }
 }
 
@@ -302,7 +307,7 @@ impl<'a> Progress<'a> {
 
     /// The activity with this number is one of these. If it is the first that came, and one with which a job begins, the start was seen.
     fn begin_seen_with(&mut self, number: u16, activities: ActivitySet) {
-        if self.state.first_step == Some(number)
+        if self.state.first_step() == Some(number)
             && activities.intersects(self.first())
             && !self.state.is_start_seen
         {
@@ -404,13 +409,14 @@ impl<'a> Progress<'a> {
         };
         let number = self.state.activities;
         self.state.activities = number.saturating_add(1);
-        self.state.first_step = self.state.first_step.or(is_step.then_some(number));
+        let first = &mut self.state.first_steps[side.index()];
+        *first = first.or(is_step.then_some(number));
         number
     }
 
     /// The activity with this number turned out to be none of the job's steps.
     pub(super) fn set_no_step(&mut self, number: u16) {
-        self.state.first_step = self.state.first_step.filter(|first| *first != number);
+        self.state.first_steps = self.state.first_steps.map(|first| first.filter(|first| *first != number));
     }
 
     /// The activity with this number was none.

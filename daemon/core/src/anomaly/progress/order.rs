@@ -49,11 +49,11 @@ impl Progress<'_> {
             .or_else(|| too_late.map(|other| broken(OrderFault::TooLate, other)))
     }
 
-    /// An activity with this number has done the work of a nominal one with another part. If that must come now and has certainly not come, the part
-    /// is wrong; the job may have begun with it.
-    pub(crate) fn set_done_instead(&mut self, number: u16, nominal: usize) {
+    /// An activity of this hand, with this number, has done the work of a nominal one with another part. If that must come now and has certainly not
+    /// come, the part is wrong; the job may have begun with it.
+    pub(crate) fn set_done_instead(&mut self, side: Side, number: u16, nominal: usize) {
         let activities = self.activities_of([nominal]);
-        self.state.first_step = self.state.first_step.or(Some(number));
+        self.state.first_steps[side.index()].get_or_insert(number);
         self.begin_seen_with(number, activities);
         let came = self.tried() | of_both(self.state.underway);
         let is_next = |activity: &usize| {

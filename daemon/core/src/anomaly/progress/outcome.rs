@@ -53,7 +53,7 @@ impl Progress<'_> {
         let certainly_missing =
             missing.lowest().filter(|_| is_end_certain && !missing.intersects(self.possibly()));
         // A hand that has touched something and begun no step has not begun the job.
-        let is_begun = self.state.first_step.is_some() || !self.state.instead.is_empty();
+        let is_begun = self.state.first_step().is_some() || !self.state.instead.is_empty();
         let undone = (missing & self.undone()).lowest().filter(|_| is_end_certain && is_begun);
         let fault = self.state.fault.or(undone.map(not_completed));
         // What is missing may have been done while it could not be judged.
@@ -61,7 +61,7 @@ impl Progress<'_> {
             return decided;
         }
         match certainly_missing {
-            _ if self.state.first_step.is_none() && self.state.activities > 0 => Verdict::default(),
+            _ if self.state.first_step().is_none() && self.state.activities > 0 => Verdict::default(),
             Some(lowest) => not_completed(lowest),
             None if missing.is_empty() && self.state.is_start_seen => {
                 let right = Verdict { outcome: Outcome::Ok, reason: Reason::None, ..Verdict::default() };

@@ -14,7 +14,7 @@ impl Progress<'_> {
     /// have been hidden.
     pub(crate) fn set_moved_unseen(&mut self) {
         if !self.is_concluded() && self.state.activities > 0 && !self.is_matched() {
-            if self.state.first_step.is_some() {
+            if self.state.first_step().is_some() {
                 self.note_unjudged(self.moved_unseen_cause(), None);
             } else {
                 (self.state.is_start_seen, self.state.may_precede) = (false, self.all);
