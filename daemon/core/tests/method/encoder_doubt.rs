@@ -130,23 +130,6 @@ fn a_hand_keeps_a_hidden_part_that_the_other_one_carries_with_it_and_then_unseen
 }
 
 #[test]
-fn a_hand_that_comes_to_what_the_other_one_holds_may_not_have_taken_it_if_that_is_hidden() {
-    let couples_with = |holds: bool, hidden_from: usize| {
-        let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
-        bench.hand(Side::Right, [0.0, if holds { 0.0 } else { -0.3 }]).hand(Side::Left, [0.0, 0.3]).rest(30);
-        bench.carry([None, Some([0.0, 0.02])], 15).rest(30);
-        bench.frames.iter_mut().skip(hidden_from).for_each(|frame| frame.objects.clear());
-        couples_of(&bench, Side::Left)
-    };
-    let is_at_tool = |couple: &Couple| couple.context.0[1] == TOOL;
-    for holds in [true, false] {
-        let begun = couples_with(holds, usize::MAX).iter().position(is_at_tool).unwrap();
-        let couple = couples_with(holds, begun + 3)[begun];
-        assert!(is_at_tool(&couple) && couple.lacks(Unseen::CHANGE) == holds, "{couple:?}");
-    }
-}
-
-#[test]
 fn what_a_seen_hand_carries_unseen_is_not_in_a_hand_that_is_seen_with_something_else() {
     for is_tool_hidden in [false, true] {
         let mut bench = Bench::new(&[(TOOL, [0.3, 0.0]), (BOX, [-0.3, 0.0])]);
@@ -308,23 +291,6 @@ fn an_object_that_is_first_seen_at_what_the_hand_holds_may_have_been_touched_bef
     for couple in couples {
         assert_eq!(couple.lacks(Unseen::ARRIVAL), couple.context.0[3] == BOX, "{couple:?}");
     }
-}
-
-/// The hand goes on being seen: it is the part that cannot be followed.
-#[test]
-fn a_part_of_which_too_few_frames_come_is_carried_although_no_hand_is_known_to_hold_it() {
-    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.6, 0.2])]);
-    bench.hand(Side::Right, [0.0, 0.0]).rest(30);
-    bench.hold(Side::Right, TOOL).go([0.5, 0.0], 40).rest(30);
-    for (every, is_carried) in [(1, false), (3, false), (8, true), (12, true)] {
-        let frames: Vec<Frame> = bench.frames.iter().step_by(every).cloned().collect();
-        let couples = encode(&bench.ids(), &frames);
-        assert_eq!(couples.iter().any(|couples| couples.lacks(Unseen::CARRIER)), is_carried, "1 of {every}");
-    }
-    // It is only elsewhere after a gap.
-    let (before, after) = (&bench.frames[..30], &bench.frames[70..]);
-    let couples = encode(&bench.ids(), &[before, after].concat());
-    assert!(!couples.iter().any(|couples| couples.lacks(Unseen::CARRIER)));
 }
 
 #[test]

@@ -2,7 +2,6 @@
 //! seem to make strokes.
 
 use super::super::geometry::{add, rotated, subtract};
-use super::super::noise::has_moved;
 use super::super::poses::{HandPose, ObjectPose, Source};
 use super::{Interaction, Scene, squared_distance};
 use crate::capacity::HANDS;
@@ -25,16 +24,13 @@ pub(super) struct Hold {
 }
 
 impl Hold {
-    /// One frame later, in which the object rests and is held here. Where it has moved in the hand before that, as with two hands, the place starts
-    /// again where the hand is seen. So the hand does not seem to leap.
+    /// One frame later, in which the object rests and is held here.
     fn rest(self, at: Point) -> Self {
-        let has_slipped = self.moves && has_moved(at, self.at);
-        let known = if has_slipped { 0 } else { self.frames };
-        if known == MEAN_FRAMES {
+        if self.frames == MEAN_FRAMES {
             return Self { moves: false, ..self };
         }
-        let change = subtract(at, self.at).map(|change| change / f32::from(known + 1));
-        Self { at: add(self.at, change), frames: known + 1, moves: false, ..self }
+        let change = subtract(at, self.at).map(|change| change / f32::from(self.frames + 1));
+        Self { at: add(self.at, change), frames: self.frames + 1, moves: false, ..self }
     }
 
     /// Where the hand acts on the bench while the object rests. `None` if it is seen farther away than `max_m` from where it would hold it.

@@ -2,7 +2,6 @@
 
 mod distance;
 mod drift;
-mod glimpse;
 mod grip;
 mod hold;
 mod in_hand;
@@ -26,7 +25,6 @@ use crate::object::ObjectShape;
 use crate::set::ObjectSet;
 use core::ops::RangeInclusive;
 use distance::Shape;
-use glimpse::Glimpses;
 use heapless::Vec;
 use hold::Hold;
 use in_hand::{InHand, ObjectContact};
@@ -46,7 +44,6 @@ struct Node {
     known_frames: u32,
     misreading: Misreading,
     drift: Drift,
-    glimpses: Glimpses,
     /// How it lies in each hand that holds it; it moves by this while it is hidden.
     grips: [Option<Grip>; HANDS],
     /// Where it was when a hand was last seen anywhere.
@@ -61,7 +58,6 @@ impl Node {
             known_frames: 0,
             misreading: Misreading::default(),
             drift: Drift::default(),
-            glimpses: Glimpses::default(),
             grips: [None; HANDS],
             attended: None,
         }
@@ -371,8 +367,7 @@ impl Scene {
             || self.in_hand[hand].contains(&InHand::Unknown)
             || !is_known
             || self.may_have_left(hand, interaction, age)
-            || self.may_have_met_or_parted(interaction, age)
-            || self.may_be_in_other_hand(hand, interaction, age);
+            || self.may_have_met_or_parted(interaction, age);
         couple.unseen |= Unseen::CONTEXT.when(!is_clear) | Unseen::CHANGE.when(is_doubtful);
         couple
     }
