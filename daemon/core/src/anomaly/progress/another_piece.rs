@@ -21,7 +21,8 @@ impl Progress<'_> {
     }
 
     /// A hand begins the IU with this number of one of these nominal activities. Takes note of whether it may belong to another piece than what came
-    /// before. For that, nobody watched for as long as the quickest run needs to end this piece and to come to this IU in another.
+    /// before. For that, nobody watched for as long as the quickest run needs to end this piece and to come to this IU in another. That one may be
+    /// out of order, so nothing has to come before it.
     pub(crate) fn note_another_piece(&mut self, side: Side, nominal: ActivitySet, ius: usize) {
         let fits = |nominal: &NominalActivity<'_>| self.unwatched >= self.exchange(side, nominal, ius);
         let all = self.job.activities;
@@ -47,7 +48,7 @@ impl Progress<'_> {
         let (came, rest) = nominal.ius.split_at(ius.min(nominal.ius.len()));
         let mut frames = [0u32; HANDS];
         frames[side.index()] = quickest(came).saturating_add(if is_left { quickest(rest) } else { 0 });
-        for activity in left.iter().chain(self.before(activity).iter()) {
+        for activity in left.iter() {
             if let Some((hand, worked)) = self.quickest(activity) {
                 frames[hand] = frames[hand].saturating_add(worked);
             }
@@ -62,16 +63,6 @@ impl Progress<'_> {
         let hand =
             |nominal: &NominalActivity<'_>| usize::from(nominal.ius[0].context.0[0] == Side::Left as u16);
         variants.map(|nominal| (hand(nominal), quickest(nominal.ius))).min_by_key(|(_, frames)| *frames)
-    }
-
-    /// The required activities that laws put before this one, directly or by others between them.
-    fn before(&self, activity: ActivitySet) -> ActivitySet {
-        let step = |set: ActivitySet| {
-            (set | activity)
-                .iter()
-                .fold(set, |set, one| set | self.job.law(one).after() & self.state.required)
-        };
-        self.all.iter().fold(ActivitySet::EMPTY, |set, _| step(set))
     }
 }
 
