@@ -35,6 +35,7 @@ pub mod fuzz;
 pub mod line;
 pub mod measure;
 pub mod python;
+pub mod shim;
 pub mod simulator;
 pub mod station;
 pub mod workers;

@@ -9,9 +9,9 @@
 
 use andon_tests::environment;
 use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, role_id, status};
+use andon_tests::shim;
 use shm_schemas::{RoleId, RoleState};
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::ffi::OsString;
 use std::time::{Duration, Instant};
 
 /// A library in which one call of `shm_open` for a connection fails as when a process has no file descriptor left for a moment. It leaves a note.
@@ -43,27 +43,17 @@ int shm_open(const char *name, int flags, mode_t mode) {
 }
 "#;
 
-/// Compiles the library and returns its path.
-fn compiled(folder: &Path) -> PathBuf {
-    let (source, library) = (folder.join("shim.c"), folder.join("shim.so"));
-    std::fs::write(&source, SHIM).unwrap();
-    let mut command = Command::new("cc");
-    command.args(["-shared", "-fPIC", "-O1", "-o"]).args([&library, &source]).arg("-ldl");
-    assert!(command.status().expect("a C compiler is needed: apt install g++").success());
-    library
-}
-
 struct Bench {
     line: Line,
     watcher: Watcher,
     plc: Modbus,
-    shim: PathBuf,
+    shim: OsString,
 }
 
 impl Bench {
     fn new() -> Self {
         let mut line = Line::new(Settings { writes: true, ..Settings::live() });
-        let shim = compiled(line.path("x").parent().unwrap());
+        let shim = shim::compiled(&line.path(""), SHIM);
         let watcher = line.up();
         let mut plc = Modbus::connect_when_up(line.port);
         plc.enable();
@@ -78,7 +68,7 @@ impl Bench {
         let _ = std::fs::remove_file(&note);
         self.line.role(role).kill();
         self.line.environment = vec![
-            ("LD_PRELOAD", self.shim.clone().into()),
+            ("LD_PRELOAD", self.shim.clone()),
             ("SHIM_FAILS", fails.to_string().into()),
             ("SHIM_NOTE", note.clone().into()),
         ];

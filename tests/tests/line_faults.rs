@@ -3,9 +3,10 @@
 
 use andon_ipc::{Node, Stop};
 use andon_tests::line::{Line, PATIENCE, ROLES, Settings, Watcher, andond, role_id};
+use andon_tests::shim;
 use shm_schemas::{Layout, RoleId, RoleState, Verdict};
 use std::os::unix::fs::PermissionsExt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
@@ -220,27 +221,13 @@ int clock_gettime(clockid_t clock, struct timespec *now) {
 }
 "#;
 
-/// Compiles the library and returns its path.
-fn compiled_clock(folder: &Path) -> PathBuf {
-    let (source, library) = (folder.join("clock.c"), folder.join("clock.so"));
-    std::fs::write(&source, CLOCK).unwrap();
-    let status = Command::new("cc")
-        .args(["-shared", "-fPIC", "-O1", "-o"])
-        .args([&library, &source])
-        .arg("-ldl")
-        .status()
-        .expect("a C compiler is needed: apt install g++");
-    assert!(status.success(), "the library that steps the clock does not compile");
-    library
-}
-
 #[test]
 fn a_clock_that_is_stepped_is_logged_and_the_line_goes_on_in_order() {
     let mut line = Line::new(Settings::live());
     let offset = line.path("offset");
     std::fs::write(&offset, "0").unwrap();
     line.environment = vec![
-        ("LD_PRELOAD", compiled_clock(offset.parent().unwrap()).into_os_string()),
+        ("LD_PRELOAD", shim::compiled(&line.path(""), CLOCK)),
         ("CLOCK_OFFSET", offset.clone().into_os_string()),
     ];
     let mut watcher = line.up();

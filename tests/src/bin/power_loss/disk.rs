@@ -4,13 +4,13 @@
 //! Of every later change each sector of 512 bytes may be on disk or not, in any order. Names are made and removed in their order. That is what SQLite
 //! asks of a disk, and no more. A disk that says that it has written what it has not is another fault.
 
+use andon_tests::shim;
 use andon_tests::simulator::Random;
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsString;
 use std::fs;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 const SECTOR: usize = 512;
 
@@ -18,7 +18,7 @@ const SECTOR: usize = 512;
 pub(crate) struct Disk {
     folder: PathBuf,
     notes: PathBuf,
-    library: PathBuf,
+    library: OsString,
 }
 
 /// What the chance of one cut has taken.
@@ -44,21 +44,14 @@ impl Lost {
 impl Disk {
     /// Compiles the library. The folder must exist and is empty.
     pub(crate) fn new(folder: PathBuf, work: &Path) -> Self {
-        let (source, library) = (work.join("disk.c"), work.join("disk.so"));
-        fs::write(&source, include_str!("disk.c")).unwrap();
-        let mut command = Command::new("cc");
-        command
-            .args(["-shared", "-fPIC", "-O1", "-Wall", "-Werror", "-pthread", "-o"])
-            .args([&library, &source])
-            .arg("-ldl");
-        assert!(command.status().expect("a C compiler is needed: apt install g++").success());
+        let library = shim::compiled(work, include_str!("disk.c"));
         Self { folder, notes: work.join("disk.log"), library }
     }
 
     /// The environment of a program that loses its power when it does something to the folder for the time `cut`.
     pub(crate) fn environment(&self, cut: usize) -> Vec<(&'static str, OsString)> {
         vec![
-            ("LD_PRELOAD", self.library.clone().into()),
+            ("LD_PRELOAD", self.library.clone()),
             ("DISK_FOLDER", self.folder.clone().into()),
             ("DISK_LOG", self.notes.clone().into()),
             ("DISK_CUT", cut.to_string().into()),
