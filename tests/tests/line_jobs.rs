@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_tests::line::{Line, Modbus, PATIENCE, Settings, status};
+use andon_tests::python::all_output;
 use shm_schemas::JudgePhase;
-use std::process::Output;
 use std::time::Instant;
 
 /// A station with two jobs whose judge runs and to which nothing happens.
@@ -15,14 +15,10 @@ fn idle() -> Line {
     line
 }
 
-fn said(output: &Output) -> String {
-    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
-}
-
 /// The jobs of the station, as programs read them.
 fn jobs(line: &Line) -> Vec<serde_json::Value> {
     let output = line.command("jobs", &["--json"]);
-    assert!(output.status.success(), "{}", said(&output));
+    assert!(output.status.success(), "{}", all_output(&output));
     String::from_utf8(output.stdout).unwrap().lines().map(|job| serde_json::from_str(job).unwrap()).collect()
 }
 
@@ -63,7 +59,7 @@ fn a_job_is_loaded_by_number_by_name_or_by_file_and_stays_when_the_judge_starts_
     let mut line = idle();
     assert_eq!(in_force(&line), 1);
     let output = line.command("use", &["2"]);
-    let text = said(&output);
+    let text = all_output(&output);
     assert!(output.status.success() && text.starts_with("job 2 \"job\" of hash "), "{text}");
     assert!(text.contains("is in force until another is loaded or the station ends"), "{text}");
     assert_eq!(in_force(&line), 2);
@@ -77,14 +73,14 @@ fn a_job_is_loaded_by_number_by_name_or_by_file_and_stays_when_the_judge_starts_
     let several = line.command("use", &["job"]);
     assert_eq!(several.status.code(), Some(64));
     assert!(
-        said(&several).contains("several jobs are called so: give the number, or one of the files "),
+        all_output(&several).contains("several jobs are called so: give the number, or one of the files "),
         "{}",
-        said(&several)
+        all_output(&several)
     );
     let file = line.path("jobs/one.toml");
     assert!(line.command("use", &[file.to_str().unwrap()]).status.success());
     assert_eq!(in_force(&line), 1);
-    let deeds = said(&line.command("history", &["--audit"]));
+    let deeds = all_output(&line.command("history", &["--audit"]));
     assert!(deeds.contains("andond use"), "{deeds}");
 }
 
@@ -93,14 +89,14 @@ fn a_job_that_is_not_there_is_refused_with_those_that_are() {
     let line = idle();
     let output = line.command("use", &["polish"]);
     assert_eq!(output.status.code(), Some(64));
-    let text = said(&output);
+    let text = all_output(&output);
     assert!(text.starts_with("polish: no job of this name or number is in "), "{text}");
     assert!(text.contains("there are 1 \"job\", ") && text.contains("2 \"job\""), "{text}");
     let mut foreign = std::fs::read_to_string(line.path("job.toml")).unwrap();
     foreign = foreign.lines().filter(|row| !row.starts_with("checksum")).collect::<Vec<_>>().join("\n");
     std::fs::write(line.path("foreign.toml"), foreign).unwrap();
     let output = line.command("use", &[line.path("foreign.toml").to_str().unwrap()]);
-    assert_eq!(output.status.code(), Some(78), "{}", said(&output));
+    assert_eq!(output.status.code(), Some(78), "{}", all_output(&output));
 }
 
 #[test]
@@ -121,7 +117,7 @@ fn a_job_is_not_exchanged_while_a_piece_is_made() {
         watcher.judging = None;
     };
     assert_eq!(refused.status.code(), Some(1));
-    let text = said(&refused);
+    let text = all_output(&refused);
     assert!(
         text.contains("job 2 \"job\" was not loaded: A job is running. Wait for its end: andond idle"),
         "{text}"
@@ -141,7 +137,7 @@ fn where_the_plc_loads_the_jobs_nobody_else_does() {
         assert!(Instant::now() < until, "it is always refused: {refusal}");
     }
     let output = line.command("use", &["1"]);
-    let text = said(&output);
+    let text = all_output(&output);
     assert_eq!(output.status.code(), Some(1), "{text}");
     assert!(
         text.contains("was not loaded: The PLC chooses the jobs of this station. Let it load this one."),

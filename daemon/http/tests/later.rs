@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod support;
+
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
 use std::sync::mpsc::channel;
@@ -9,14 +11,11 @@ use std::thread::{self, ScopedJoinHandle};
 use std::time::Duration;
 
 use andon_http::{Later, Response, Server};
-
-/// Only a failing test waits for so long.
-const PATIENCE: Duration = Duration::from_secs(30);
+use support::{PATIENCE, connect, remaining};
 
 /// A client that reads its whole answer, and the sending end of that.
 fn asked(server: &Server, test: impl FnOnce(TcpStream, Later) + Send) {
-    let mut client = TcpStream::connect(server.address()).unwrap();
-    client.set_read_timeout(Some(PATIENCE)).unwrap();
+    let mut client = connect(server);
     client.write_all(b"GET / HTTP/1.1\r\nHost: here\r\n\r\n").unwrap();
     let (send, later) = channel();
     let later = loop {
@@ -36,19 +35,13 @@ fn served(test: impl FnOnce(&Server)) {
     test(&Server::bind(([127, 0, 0, 1], 0).into()).unwrap());
 }
 
-fn read(mut client: TcpStream) -> Vec<u8> {
-    let mut answer = Vec::new();
-    let _ = client.read_to_end(&mut answer);
-    answer
-}
-
 #[test]
 fn an_answer_comes_later_with_the_headers_that_were_promised() {
     served(|server| {
         asked(server, |client, later| {
             thread::sleep(Duration::from_millis(50));
             later.send(Response::text(404, "it was removed\n"));
-            let answer = String::from_utf8(read(client)).unwrap();
+            let answer = remaining(client);
             assert!(answer.starts_with("HTTP/1.1 404 ") && answer.ends_with("it was removed\n"), "{answer}");
             for header in ["x-promised: yes\r\n", "x-own: yes\r\n"] {
                 assert!(answer.contains(header), "{answer}");
@@ -56,7 +49,7 @@ fn an_answer_comes_later_with_the_headers_that_were_promised() {
         });
         asked(server, |client, later| {
             drop(later);
-            assert!(read(client).starts_with(b"HTTP/1.1 503 "), "nobody answers");
+            assert!(remaining(client).starts_with("HTTP/1.1 503 "), "nobody answers");
         });
         asked(server, |client, later| {
             drop(client);
