@@ -1,17 +1,21 @@
 //! The role `record`: what a line does can be looked at and judged again, with the same verdicts bit for bit, whatever happened meanwhile.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_record::store;
+use andon_ipc::Channel;
+use andon_record::{Entry, Item, Losses, RecordingReader, Topic, store};
 use andon_tests::environment;
 use andon_tests::line::{
-    Line, Modbus, PATIENCE, Settings, UNSEEN, Watcher, andond, control, detections_in, status,
+    Line, Modbus, PATIENCE, ROLES, Settings, UNSEEN, Watcher, andond, control, detections_in, role_id, status,
 };
+use andon_tests::python::all_output;
+use andon_tests::shim;
 use andon_tests::simulator::Flaw;
 use rustix::process::Signal;
-use shm_schemas::{JudgePhase, Refusal, RoleId, RoleState, VerdictOutcome};
+use shm_schemas::{Health, JudgePhase, Refusal, RoleId, RoleState, VerdictOutcome, from_bytes};
+use std::collections::HashSet;
 use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 fn stop(line: &mut Line) {
@@ -25,15 +29,11 @@ fn only_recording(line: &Line) -> PathBuf {
     only.clone()
 }
 
-fn said(output: &Output) -> String {
-    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
-}
-
 /// How many verdicts of a recording were equal to those that were sent, and how many were sent, as `andond replay` says.
 fn equal(line: &Line, recording: &Path) -> (usize, usize, String) {
     let output = line.command("replay", &[recording.to_str().unwrap()]);
-    assert!(output.status.code().is_some_and(|code| code < 3), "{}", said(&output));
-    let text = said(&output);
+    assert!(output.status.code().is_some_and(|code| code < 3), "{}", all_output(&output));
+    let text = all_output(&output);
     let figures =
         text.lines().find_map(|row| row.strip_prefix("as recorded: ")).unwrap_or_else(|| panic!("{text}"));
     let mut numbers = figures.split(' ').filter_map(|word| word.parse().ok());
@@ -59,7 +59,7 @@ fn a_line_that_is_recorded_is_judged_again_with_the_same_verdicts_to_the_bit() {
     // Another job, or the same by its file, is a matter of what was detected alone.
     let job = line.path("job.toml");
     let output = line.command("replay", &["--job", job.to_str().unwrap(), recording.to_str().unwrap()]);
-    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    assert_eq!(output.status.code(), Some(1), "{}", all_output(&output));
 }
 
 /// Aborts what is running and loads the other job. A worker who goes on may have begun the next piece before that: then once more.
@@ -118,10 +118,7 @@ fn after_kills_of_roles_it_is_still_judged_again_with_the_same_verdicts() {
         let before = watcher.verdicts.len();
         watcher.until("verdicts", |watcher| watcher.verdicts.len() >= before + 2);
         line.role(role).kill();
-        line.start(role);
-        let pid = line.role(role).pid();
-        let id = andon_tests::line::role_id(role);
-        watcher.until(role, |watcher| watcher.runs(id, pid));
+        start(&mut line, role, &mut watcher);
     }
     let before = watcher.verdicts.len();
     watcher.until("verdicts", |watcher| watcher.verdicts.len() >= before + 3);
@@ -145,9 +142,7 @@ fn kills_between_commands_are_judged_again_with_the_same_verdicts() {
             load_second_job(&mut plc, &mut watcher);
         }
         line.role(role).kill();
-        line.start(role);
-        let (pid, id) = (line.role(role).pid(), andon_tests::line::role_id(role));
-        watcher.until(role, |watcher| watcher.runs(id, pid));
+        start(&mut line, role, &mut watcher);
         // What the PLC wants still holds: it need not write it again. Then it wants something else.
         plc.control(control::ENABLE | control::RESET_ERROR).unwrap();
         plc.enable();
@@ -185,6 +180,95 @@ fn what_the_line_does_not_see_is_judged_again_with_the_same_verdicts() {
     }
 }
 
+/// Asks a role to end, and waits for it.
+fn end(line: &mut Line, role: &str) {
+    line.role(role).signal(Signal::TERM);
+    let status = line.role(role).wait();
+    assert!(status.success(), "{role}: {status}");
+}
+
+/// Starts a role, and waits until it runs.
+fn start(line: &mut Line, role: &'static str, watcher: &mut Watcher) -> u32 {
+    line.start(role);
+    let (pid, id) = (line.role(role).pid(), role_id(role));
+    watcher.until(role, |watcher| watcher.runs(id, pid));
+    pid
+}
+
+fn items(recording: &Path) -> Vec<Item> {
+    let mut reader = RecordingReader::open(recording).unwrap();
+    std::iter::from_fn(|| reader.next_item().unwrap()).collect()
+}
+
+/// The messages of a topic in a recording.
+fn messages(recording: &Path, topic: Topic) -> Vec<Entry> {
+    let entries = items(recording).into_iter().filter_map(|item| match item {
+        Item::Entry(entry) => Some(entry),
+        Item::Attachment(_) => None,
+    });
+    entries.filter(|entry| entry.topic == topic).collect()
+}
+
+/// What a recording says that its recorder did not get.
+fn losses(recording: &Path) -> Vec<Losses> {
+    let said = messages(recording, Topic::Losses).into_iter();
+    said.map(|entry| serde_json::from_slice(&entry.data).unwrap()).collect()
+}
+
+#[test]
+fn the_recorder_goes_on_in_its_file_while_every_other_role_is_stopped_and_started_again() {
+    let mut line = Line::new(Settings::live());
+    line.record("always");
+    let mut watcher = line.launch_recorded();
+    let recorder = line.role("record").pid();
+    watcher.until("verdicts", |watcher| !watcher.verdicts.is_empty());
+    let mut started = HashSet::new();
+    for role in ROLES {
+        end(&mut line, role);
+        started.insert((role_id(role).code(), start(&mut line, role, &mut watcher)));
+    }
+    let before = watcher.verdicts.len();
+    watcher.until("verdicts", |watcher| watcher.verdicts.len() >= before + 2);
+    assert!(line.role("record").ended().is_none() && watcher.runs(RoleId::Record, recorder));
+    stop(&mut line);
+    let recording = only_recording(&line);
+    let signs = messages(&recording, Topic::Raw(Channel::Health));
+    let recorded: HashSet<_> = signs
+        .iter()
+        .filter_map(|entry| from_bytes::<Health>(&entry.data))
+        .map(|health| (health.role, health.pid))
+        .collect();
+    assert!(started.is_subset(&recorded), "{started:?} {recorded:?}");
+    let losses = losses(&recording);
+    for channel in [Channel::Detections, Channel::Couple, Channel::Verdict] {
+        let is_said = losses.iter().any(|said| said.channel == channel.name() && said.restarts == 1);
+        assert!(is_said, "the restart of {}: {losses:?}", channel.name());
+    }
+}
+
+#[test]
+fn each_configuration_of_a_line_has_a_recording_of_its_own() {
+    let mut line = Line::new(Settings::live());
+    line.record("always");
+    for key in ["", "before_s = 7\n"] {
+        // A line that runs goes on with the configuration that it began with.
+        line.reconfigure("[record]\n", &format!("[record]\n{key}"));
+        let mut watcher = line.launch_recorded();
+        watcher.until("verdicts", |watcher| !watcher.verdicts.is_empty());
+        drop(watcher);
+        stop(&mut line);
+    }
+    let before_s = |recording: &PathBuf| {
+        let configuration = items(recording).into_iter().find_map(|item| match item {
+            Item::Attachment(file) if file.name == "configuration.toml" => Some(file.data.to_vec()),
+            _ => None,
+        });
+        let text = String::from_utf8(configuration.unwrap()).unwrap();
+        text.lines().find_map(|row| row.strip_prefix("before_s = ").map(str::to_owned)).unwrap()
+    };
+    assert_eq!(line.recordings().iter().map(before_s).collect::<Vec<_>>(), ["10", "7"]);
+}
+
 /// How often the recorder is killed; `ANDON_KILLS=1000` is the long form.
 const KILLS: u64 = 5;
 
@@ -202,9 +286,7 @@ fn a_recorder_that_is_killed_at_any_moment_leaves_files_that_are_completed_and_t
             watcher.listen(Duration::from_millis(20));
         }
         line.role("record").kill();
-        line.start("record");
-        let pid = line.role("record").pid();
-        watcher.until("the recorder", |watcher| watcher.runs(RoleId::Record, pid));
+        start(&mut line, "record", &mut watcher);
         journalled.extend(watcher.verdict_keys());
         watcher.forget_all_but_newest();
     }
@@ -380,4 +462,54 @@ fn a_disk_that_fills_up_costs_recordings_and_no_verdicts_and_is_written_again_on
     watcher.until("another recording", |_| logged(&line, "AND-410") > begun);
     assert_eq!(logged(&line, "AND-412"), 1, "{}", line.log("record"));
     assert!(line.stop_all_but_steward().is_empty());
+}
+
+/// A library with which a disk does nothing: while there is a file at `SHIM_STANDS`, whatever is written to a recording waits.
+const STANDING_DISK: &str = r#"
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+ssize_t write(int file, const void *bytes, size_t count) {
+    static ssize_t (*real)(int, const void *, size_t);
+    if (!real) *(void **)&real = dlsym(RTLD_NEXT, "write");
+    const char *stands = getenv("SHIM_STANDS");
+    char link[64], path[4096] = "";
+    snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+    if (stands && readlink(link, path, sizeof path - 1) > 0 && strstr(path, ".mcap"))
+        while (access(stands, F_OK) == 0) usleep(1000);
+    return real(file, bytes, count);
+}
+"#;
+
+#[test]
+fn a_disk_that_does_nothing_for_a_while_costs_recordings_and_no_verdicts_and_that_is_said() {
+    // At full speed the memory for what waits is full within seconds.
+    let mut line = Line::new(Settings { repeat: true, ..Settings::default() });
+    line.record("always");
+    line.reconfigure("[record]\n", "[record]\nmemory_mb = 4\n");
+    line.environment = vec![
+        ("LD_PRELOAD", shim::compiled(&line.path(""), STANDING_DISK)),
+        ("SHIM_STANDS", line.path("stands").into_os_string()),
+    ];
+    let mut watcher = line.launch_recorded();
+    line.wait_for_log("record", "AND-410", "");
+    std::fs::write(line.path("stands"), "").unwrap();
+    line.wait_for_log("record", "AND-413", "");
+    let before = watcher.verdicts.len();
+    watcher.until("verdicts all the same", |watcher| watcher.verdicts.len() >= before + 20);
+    assert!(watcher.is(RoleId::Record, RoleState::Running));
+    std::fs::remove_file(line.path("stands")).unwrap();
+    watcher.listen(Duration::from_secs(2));
+    stop(&mut line);
+    let lost = |recording: &PathBuf| -> u64 {
+        let of_disk = losses(recording).into_iter().filter(|losses| losses.channel == "recording");
+        of_disk.map(|losses| losses.lost).sum()
+    };
+    assert!(line.recordings().iter().map(lost).sum::<u64>() > 0, "{}", line.log("record"));
+    for recording in line.recordings() {
+        assert!(detections_in(&recording).unwrap() > 0);
+    }
 }
