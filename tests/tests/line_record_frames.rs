@@ -1,11 +1,11 @@
-//! A recording is looked at again: where its pictures are what the camera sent, the same is detected in them, and where they are not it says so.
+//! A recording is looked at again. Where its pictures are what the camera sent, the same is detected in them. Where they are not it says so.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_ipc::{Channel, FrameWriter, MonotonicTime, Node, Wake};
 use andon_record::{Attachment, Entry, Item, RecordingReader, RecordingWriter, Topic, picture};
 use andon_tests::line::{Line, Settings, root, stand_in};
 use andon_tests::python::all_output;
-use shm_schemas::{ColourFormat, Detections, FrameHeader, RoleId, bytes_of, flag, from_bytes};
+use shm_schemas::{ColourFormat, Detections, FrameHeader, RoleId, RoleState, bytes_of, flag, from_bytes};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -96,10 +96,17 @@ fn equal(text: &str, what: &str) -> [u64; 2] {
     numbers.try_into().unwrap()
 }
 
+/// A line that records everything, with these keys of `[record]`, and plays no film by itself.
+fn line(record: &str) -> Line {
+    let line = Line::with_film("speed = \"max\"", "", &["-i", FILM, "-frames:v", "1"]);
+    line.record("always");
+    line.reconfigure("[record]\n", &format!("[record]\n{record}"));
+    line
+}
+
 /// A line that has watched a film through such a camera. `perceive` is killed after so many frames, and then begins again.
 fn recorded(killed_after: Option<usize>) -> (Line, PathBuf, u64) {
-    let mut line = Line::with_film("speed = \"max\"", "", &["-i", FILM, "-frames:v", "1"]);
-    line.record("always");
+    let mut line = line("");
     let mut watcher = line.launch_recorded();
     let mut camera = Camera::new(&line);
     let pictures = pictures(&line.path("pictures"));
@@ -292,6 +299,33 @@ fn a_perceive_that_was_killed_begins_anew_when_its_pictures_are_looked_at_again(
     // What was sent while it was away nobody has looked at.
     assert!(same == all && (frames - 20..frames).contains(&all), "{text}");
     assert!(text.contains(SAME) && !text.contains("may differ"), "{text}");
+}
+
+#[test]
+fn what_a_camera_sent_as_jpeg_is_black_in_the_file_where_it_may_not_be_seen() {
+    let mut line = line("size = [640, 480]\nmasks = [[[0, 0], [400, 0], [400, 479], [0, 479]]]\n");
+    let mut watcher = line.launch_recorded();
+    let mut camera = Camera::new(&line);
+    let sent = pictures(&line.path("pictures"));
+    sent.iter().take(20).for_each(|jpeg| camera.send(jpeg));
+    camera.end();
+    watcher.until("the end", |watcher| watcher.is(RoleId::Perceive, RoleState::Finished));
+    drop((watcher, camera));
+    assert!(line.stop_recorded().is_empty());
+    let (_, entries) = read(&line.recordings()[0]);
+    let (stored, others): (Vec<_>, Vec<_>) = entries.iter().partition(|entry| entry.topic == Topic::Picture);
+    assert_eq!(stored.len(), 20);
+    for picture in stored {
+        let picture = picture::picture_in(picture).unwrap();
+        let brightest = |columns: std::ops::Range<usize>| {
+            let rows = picture.pixels.chunks_exact(3 * 640);
+            rows.flat_map(|row| row[3 * columns.start..3 * columns.end].iter().copied()).max()
+        };
+        assert_eq!((brightest(0..384), brightest(410..640) > Some(100)), (Some(0), true));
+    }
+    // Nor is it anywhere else in the file.
+    let smallest = sent.iter().map(Vec::len).min().unwrap();
+    assert!(others.iter().all(|entry| entry.data.len() < smallest / 2));
 }
 
 #[test]
