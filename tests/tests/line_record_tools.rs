@@ -90,6 +90,7 @@ fn a_piece_that_was_accused_and_right_is_found_confirmed_taught_and_at_last_remo
     assert!(nothing.contains("`andond confirm ID right` confirms it"), "{nothing}");
     let before = said(&line.command("whatif", &["--since", "1h", "--job", job]), 1);
     assert!(before.contains("pieces wrong") && before.contains("would be"), "{before}");
+    assert!(before.contains(": too few strokes  "), "by step and fault: {before}");
 
     // Two commands.
     said(&line.command("confirm", &[&row, "right"]), 0);
@@ -104,6 +105,9 @@ fn a_piece_that_was_accused_and_right_is_found_confirmed_taught_and_at_last_remo
         "{taught}{text}{history}"
     );
     assert!(after.status.success(), "{text}");
+    // The clip of what the other job says otherwise is named.
+    let clip_row = text.lines().find(|row| row.starts_with(clip.lines().next().unwrap()));
+    assert!(clip_row.is_some_and(|row| row.contains("pieces wrong 1 -> 0")), "{text}");
 
     let deeds = said(&line.command("history", &["--audit"]), 0);
     assert!(deeds.contains("confirmation") && deeds.contains(&format!("verdict {row} of ")), "{deeds}");
@@ -241,6 +245,8 @@ fn a_part_is_forgotten_in_every_file_that_shows_it_and_not_in_the_one_that_is_wr
         |recording: &store::Recording| recording.index.verdicts.iter().any(|verdict| verdict.part == "SN-7");
     let (first, last) = (before.iter().position(names).unwrap(), before.iter().rposition(names).unwrap());
     said(&line.command("forget", &["--part", "SN-7"]), 0);
+    let deeds = said(&line.command("history", &["--audit"]), 0);
+    assert!(deeds.contains("recordings to be removed: of part \"SN-7\""), "{deeds}");
     let left: Vec<PathBuf> = store::recordings(&line.path("recordings"))
         .unwrap()
         .into_iter()

@@ -21,7 +21,6 @@ use crate::blackbox::{Chain, Plan, chains};
 use crate::cli::Whatif;
 use crate::compatibility;
 use crate::report::Names;
-use crate::wire;
 
 /// Runs the command; the exit code is what the new job says.
 ///
@@ -129,8 +128,8 @@ struct Counts {
     faults: BTreeMap<Fault, usize>,
 }
 
-/// What was not right with an activity: the number of its step, whether it is an anomaly, and the words.
-type Fault = (u16, bool, String);
+/// What was not right with an activity: the number of its step where it has one, whether it is an anomaly, and the words.
+type Fault = (Option<u16>, bool, String);
 
 const PIECES: [&str; 3] = ["pieces right", "pieces wrong", "pieces not judged"];
 
@@ -139,12 +138,10 @@ impl Counts {
         match verdict.level {
             Level::Job => self.pieces[place(verdict.outcome)] += 1,
             Level::Activity if verdict.outcome != Outcome::Ok => {
-                let step = verdict.nearest.unwrap_or(verdict.activity);
-                let reason = wire::verdict::reason(verdict.reason).name();
                 let is_anomaly = verdict.outcome == Outcome::Anomaly;
-                let outcome = if is_anomaly { "" } else { "not judged: " };
-                let words = format!("{}: {outcome}{reason}", names.step(step));
-                *self.faults.entry((step, is_anomaly, words)).or_default() += 1;
+                let fault = names.fault(verdict).unwrap_or_default();
+                let words = if is_anomaly { fault } else { format!("{fault}, not judged") };
+                *self.faults.entry((verdict.nearest, is_anomaly, words)).or_default() += 1;
             }
             Level::Activity | Level::Iu => (),
         }
