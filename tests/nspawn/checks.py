@@ -15,6 +15,8 @@ CONFIG = ["-c", "/etc/andon/andon.toml", "-c", f"/etc/andon/stations/{STATION}.t
 TARGET = f"andon@{STATION}.target"
 # Greatest exposure of a unit, on systemd's scale from 0 (safe) to 10.
 EXPOSURE = 0.9
+# Of the units whose watchdog is another one than that of all, in seconds.
+WATCHDOG_S = {"record": 60}
 # Where the rest of the system keeps its own records.
 NOT_OURS = ("proc/", "sys/", "dev/", "run/", "tmp/", "var/tmp/", "var/log/", "var/cache/", "etc/.pwd.lock")
 NOT_OURS += ("var/lib/dpkg/", "var/lib/apt/", "var/lib/systemd/")
@@ -126,7 +128,8 @@ def a_role_that_stands_still_is_ended_by_the_watchdog_and_comes_back(machine, se
         began = time.monotonic()
         before = machine.unit(unit(role))
         machine.must("systemctl", "kill", "--kill-whom=main", "--signal=STOP", unit(role))
-        until(lambda: machine.unit(unit(role))["NRestarts"] != before["NRestarts"], f"{role} is not ended", 30)
+        is_ended = lambda: machine.unit(unit(role))["NRestarts"] != before["NRestarts"]
+        until(is_ended, f"{role} is not ended", WATCHDOG_S.get(role, 5) + 25)
         seen["watchdog_s"][role] = round(time.monotonic() - began, 1)
         until(lambda: all_active(machine), f"{role} does not come back", 30)
         verdicts_go_on(machine)
@@ -156,6 +159,29 @@ def every_thread_of_a_role_has_the_cores_and_the_priority_that_its_unit_is_given
     machine.must("bash", "-c", f"rm -r {folder} && systemctl daemon-reload")
     machine.must("systemctl", "restart", unit("perceive"))
     until(lambda: all_active(machine), "the line does not come back", 30)
+
+
+def a_recorder_that_runs_only_where_nothing_else_has_to_leaves_recordings_that_open(machine, seen):
+    station = machine.root / f"etc/andon/stations/{STATION}.toml"
+    before = station.read_text()
+    station.write_text(before + '\n[record]\nmode = "always"\n')
+    try:
+        machine.must("systemctl", "restart", unit("record"))
+        until(lambda: all_active(machine), "the line does not come back", 30)
+        pid = machine.unit(unit("record"))["MainPID"]
+        # The forty-first number (proc_pid_stat(5)): 5 is SCHED_IDLE.
+        policies = machine.must("bash", "-c", f"awk '{{print $41}}' /proc/{pid}/task/*/stat").split()
+        assert len(policies) > 1 and set(policies) == {"5"}, policies
+        verdicts_go_on(machine)
+    finally:
+        station.write_text(before)
+        machine.must("systemctl", "restart", unit("record"))
+    until(lambda: all_active(machine), "the line does not come back", 30)
+    recordings = machine.must("bash", "-c", f"ls /var/lib/andon/{STATION}.recordings/*.mcap", user="andon").split()
+    shown = machine.run("andond", "replay", recordings[0], user="andon")
+    equal = re.search(r"^as recorded: (\d+) of [1-9].*", shown.stderr, re.M)
+    assert shown.returncode < 3 and equal, shown.stderr
+    seen["recorded"] = equal.group()
 
 
 def stopping_the_station_leaves_no_process_and_no_shared_memory(machine, seen):
@@ -256,6 +282,7 @@ CHECKS = [
     a_role_that_stands_still_is_ended_by_the_watchdog_and_comes_back,
     a_role_that_is_killed_comes_back_and_verdicts_go_on,
     every_thread_of_a_role_has_the_cores_and_the_priority_that_its_unit_is_given,
+    a_recorder_that_runs_only_where_nothing_else_has_to_leaves_recordings_that_open,
     stopping_the_station_leaves_no_process_and_no_shared_memory,
     a_bad_configuration_ends_with_78_names_its_place_and_is_not_tried_again,
     a_library_that_was_upgraded_interrupts_no_station,
