@@ -1,4 +1,11 @@
 //! Verdicts, from the method to shared memory and back.
+//!
+//! Each field is named once in each direction. The method says by an `Option` whether there is a value, and keeps together what belongs together,
+//! such as a measure with what was shown. The wire is flat and has numbers for none, and the method must not know it. So a list that makes both
+//! directions would need a conversion for each pair of types, and would have the three groups by hand all the same.
+//!
+//! Two tests hold it to the table of `verdict_fields!`. What [`read`] leaves out is missing in JSON (`verdict_columns`), and what [`write`] leaves out
+//! does not come back (below).
 
 use andon_core::couple::Context;
 use andon_core::input::Side;
@@ -187,6 +194,7 @@ mod tests {
         let notes = VerdictNote::ALL.iter().copied().map(note_of_method);
         let faults = WireFault::ALL.iter().copied().map(order_fault_of_method);
         let measures = VerdictMeasure::ALL.iter().copied().map(measure_of_method);
+        let decided = UtcTime::now();
         let mut orders = notes.cycle().zip(faults.cycle()).zip(measures.cycle());
         for outcome in VerdictOutcome::ALL.iter().copied().map(outcome_of_method) {
             for reason in VerdictReason::ALL.iter().copied().map(reason_of_method) {
@@ -224,9 +232,12 @@ mod tests {
                         decided_ns: 8,
                     };
                     let mut message = Message::default();
-                    write(&verdict, &sender, UtcTime::now(), &mut message);
+                    write(&verdict, &sender, decided, &mut message);
                     assert_eq!(read(&message), Some(verdict));
-                    assert_eq!(message.part, part);
+                    // What the method does not know.
+                    let Message { job_id, model_hash, station, decided_utc_ns, .. } = message;
+                    assert_eq!((job_id, model_hash, decided_utc_ns), (1, 2, decided.nanoseconds()));
+                    assert_eq!((station, message.part), (sender.station, part));
                 }
             }
         }
