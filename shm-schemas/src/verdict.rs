@@ -163,11 +163,11 @@ codes! {
 
 /// The fields of a verdict, in the order of the wire, for a macro: the one place that names them. It gives them to the macro `$to`.
 ///
-/// Of them are made the wire and [`Verdict::NONE`], the table [`COLUMNS`](crate::COLUMNS), which the journal and CSV are written by, and the struct and
-/// header for C. A field has its meaning, its type, and in braces its columns. A column has its place in the table, which never changes, and its kind,
-/// which says how a number is meant and which one stands for none. The columns of a part of a field have names of their own.
+/// Of them are made the wire and [`Verdict::NONE`], the struct and header for C, and the table [`COLUMNS`](crate::COLUMNS). By that table the journal and
+/// CSV are written. A field has its meaning, its type, and in braces its columns. A column has its place in the table, which never changes, and its
+/// kind. The kind says how a number is meant and which one stands for none. The columns of a part of a field have names of their own.
 ///
-/// C has the fields of `in_c` as the wire has them, and has no others but stamp, station and part, each in a form of its own. There a
+/// C has the fields of `in_c` as the wire has them. Of the others it has stamp, station and part alone, each in a form of its own. There a
 /// `VerdictLevel` is called `AndonLevel`, as all names that C sees.
 #[macro_export]
 macro_rules! verdict_fields {

@@ -1,7 +1,7 @@
 //! The Andon daemon as a library, so that its binary and tests share it.
 //!
 //! Along the data path: [`video`] brings pictures, [`perception`] and, with depth, [`metric`] look at them. [`role`] has the processes of the line,
-//! [`perceiving`] and [`encoding`] what `perceive` and `encode` do, [`wire`] what crosses shared memory, and [`report`] verdicts for people and
+//! [`perceiving`] and [`encoding`] what `perceive` and `encode` do. [`wire`] has what crosses shared memory, and [`report`] verdicts for people and
 //! programs. [`file`] opens what people and other programs made. [`sight`] names what the line cannot see. [`recorder`] writes down what they saw.
 //! [`recording`] and [`tool`] run the same code over files, and [`picture`] draws the result. [`cli`] and [`compatibility`] serve them all, and so does
 //! the crate `andon_host`: configuration, log, exit codes and the cycle of a role.

@@ -20,7 +20,7 @@ const NAMES: [&str; 4] = ["program", "processor", "opencv", "libjpeg-turbo"];
 /// So many of the 64 digits of a checksum tell one file from the other.
 const DIGITS: usize = 12;
 
-/// What this program looks at pictures with, one thing a line: its name and which it is, or the SHA-256 of a file and its name.
+/// What this program looks at pictures with, one thing a line. That is its name and which it is, or the SHA-256 of a file and its name.
 pub(crate) fn hashes(config: &Config) -> String {
     let mut lines = vec![format!("program {}", program()), format!("processor {}", processor())];
     lines.extend(opencv::core::get_version_string().map(|version| format!("opencv {version}")));

@@ -100,7 +100,7 @@ fn cut_off_when_unreachable(stream: &TcpStream) {
     }
 }
 
-/// Waits until fewer clients are connected than are served at once. The oldest of those that have asked nothing is cut off: a request comes within
+/// Waits until fewer clients are connected than are served at once. The oldest of those that have asked nothing is cut off. A request comes within
 /// milliseconds, and a thousand silent connections must not keep a browser out. If there is none, it is the oldest of those that read slowly.
 async fn make_room(clients: &mut VecDeque<Client>) {
     loop {

@@ -20,7 +20,7 @@ use super::body::{Content, Ending};
 use super::clients::Progress;
 use super::{Call, Offer, Request, Response, form};
 
-/// How long a client may take to shake hands, to send the head of its request, and to send a form: a machine in the same hall needs milliseconds.
+/// How long a client may take to shake hands, to send the head of its request, and to send a form. A machine in the same hall needs milliseconds.
 pub(super) const REQUEST: Duration = Duration::from_secs(2);
 
 /// The whole of a connection, with the time in which a slow client reads its answer.

@@ -78,7 +78,7 @@ impl Tls {
 }
 
 /// Makes a certificate for these names and addresses, which vouches for itself, and its key; both in PEM form. It is valid for as long as the machine
-/// will be there: a browser asks a person about it once, and would ask again after each change.
+/// will be there. A browser asks a person about it once, and would ask again after each change.
 ///
 /// # Errors
 /// A name that is none, as a sentence.

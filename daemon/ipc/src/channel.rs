@@ -117,13 +117,13 @@ impl Channel {
                 Qos { buffer: 128, history: 0, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 31 }
             }
             // Only the newest counts. 4 per writer, so that a reader that looks once per second misses none at 2 Hz. 16 writers: 10 roles, and those
-            // that are dead and not yet removed. 16 readers: plc, journal, programs in C, and every `andond status` that somebody has left stopped in
-            // a terminal.
+            // that are dead and not yet removed. 16 readers: plc, journal, programs in C, and each `andond status` that was left stopped in a
+            // terminal.
             Self::Health => {
                 Qos { buffer: 4, history: 1, borrowed: 2, readers: 16, writers: 16, loans: 2, burst: 1 }
             }
-            // Only the newest counts. A history of 1, for a reader that starts later. 16 readers: perceive, encode, plc, metrics, board, those that are
-            // dead and not yet removed, the tools and programs in C.
+            // Only the newest counts. A history of 1, for a reader that starts later. 16 readers: five roles, those that are dead and not yet removed, the
+            // tools and programs in C.
             Self::Judging => {
                 Qos { buffer: 4, history: 1, borrowed: 2, readers: 16, writers: 1, loans: 2, burst: 1 }
             }

@@ -96,7 +96,7 @@ pub enum Error {
     },
     /// Writer and reader are different builds.
     #[error(
-        "channel {channel}: this build has layout {ours}, the running station has {theirs}; stop every role of the station (held by: {members}), install one version, start again"
+        "channel {channel}: this build has layout {ours}, the running station {theirs}; stop every role of the station (held by: {members}), install one version, start again"
     )]
     LayoutMismatch {
         /// The channel.
@@ -110,7 +110,7 @@ pub enum Error {
     },
     /// iceoryx2 cannot use the service and cannot say whether somebody else does.
     #[error(
-        "channel {channel}: the description of its service cannot be read ({why}); stop every role of the station (members: {members}) and start the steward again, which then removes it"
+        "channel {channel}: the description of its service cannot be read ({why}); stop every role of the station (members: {members}), then start the steward, which removes it"
     )]
     ServiceUnreadable {
         /// The channel.

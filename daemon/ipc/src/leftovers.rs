@@ -147,8 +147,8 @@ fn remove_nameless(config: &Config, node: &UniqueNodeId) -> io::Result<()> {
     Ok(())
 }
 
-/// Removes the tags that a dead node was making when it was killed. iceoryx2 overlooks them, then fails to remove the directory
-/// that holds them, forgets where the node belongs and reports it dead for ever. A node makes a tag before it makes what the
+/// Removes the tags that a dead node was making when it was killed. iceoryx2 overlooks them, and then fails to remove the
+/// directory that holds them. It forgets where the node belongs and reports it dead for ever. A node makes a tag before it makes what the
 /// tag is for, so nothing else is lost with an incomplete tag.
 fn remove_incomplete_tags(config: &Config, node: &UniqueNodeId) {
     remove_incomplete_files(&node_folder(config).join(node.value().to_string()));

@@ -11,8 +11,8 @@ use super::csv::quoted;
 use super::error::JournalError;
 use super::row::signed;
 
-/// The table `verdict` with one column more. Of the clip only those know who look into the folder of recordings: it goes by age, by size and when somebody
-/// removes it, and a name that the row kept would be there all the same.
+/// The table `verdict` with one column more. Which clip there is only the folder of recordings says. A clip goes by age, by size and when somebody
+/// removes it, and a name in the row would stay.
 const CLIPS: &str = "
     CREATE TEMP TABLE clip (epoch INTEGER NOT NULL, seq INTEGER NOT NULL, path TEXT NOT NULL, PRIMARY KEY (epoch, seq))
         WITHOUT ROWID, STRICT;

@@ -2,8 +2,8 @@
 //!
 //! The data path of plane mode, which the [`Perceiver`] puts together:
 //!
-//! [`ImageView`] a frame, read in place → an [`ObjectFinder`], as that of `markers`, corners in pixels, `hands` landmarks in pixels → [`bench`] metres in the
-//! bench frame → [`Detections`].
+//! [`ImageView`] a frame, read in place → an [`ObjectFinder`] corners in pixels, `hands` landmarks in pixels → [`bench`] metres in the bench frame →
+//! [`Detections`].
 //!
 //! With depth, [`metric`] places the detections of a frame in three dimensions.
 //!

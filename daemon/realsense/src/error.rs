@@ -27,12 +27,12 @@ pub enum Error {
     },
     /// A camera is attached, but the SDK does not see it.
     #[error(
-        "a RealSense camera is on the USB bus but does not answer; unplug it and plug it in again, and try another cable if that does not help"
+        "a RealSense camera is on the USB bus but does not answer; unplug it and plug it in again, or try another cable"
     )]
     Unresponsive,
     /// The link is too slow for the mode.
     #[error(
-        "camera {serial} runs over USB {usb}, which is too slow for {mode}; plug it into a USB 3 port (blue, or marked SS) with the cable that came with it"
+        "camera {serial} runs over USB {usb}, which is too slow for {mode}; plug it into a USB 3 port (blue, or marked SS) with its own cable"
     )]
     UsbSpeed {
         /// The camera.

@@ -74,8 +74,8 @@ impl PictureMaker {
         Self { quality: record.quality, masks: Masks::new(record), converted: Vec::new() }
     }
 
-    /// The colour plane of a frame as JPEG: as the camera `sent` it, where it did, all of it may be seen, and [`decode`] takes it. What may not be seen
-    /// is black before anything is encoded.
+    /// The colour plane of a frame as JPEG. It is what the camera `sent` where all of that may be seen and [`decode`] takes it. Else it is encoded, and what
+    /// may not be seen is black before.
     ///
     /// # Errors
     /// A frame that is none, and what OpenCV or libjpeg-turbo says.
@@ -248,7 +248,7 @@ pub fn message_of(jpeg: Vec<u8>, utc_ns: u64) -> Vec<u8> {
 }
 
 /// Columns and rows of a JPEG, by the library with which OpenCV decodes it as well, so that both find the same. It refuses what OpenCV only warns of, as
-/// stray bytes between segments or another version of JFIF: the recorder encodes such a picture of a camera. It does not refuse one without tables, as
+/// stray bytes between segments or another version of JFIF. The recorder encodes such a picture of a camera. It does not refuse one without tables, as
 /// Motion JPEG allows, which not every other program reads: of that `capture` keeps nothing.
 fn size_of(jpeg: &[u8]) -> Result<[u32; 2], PictureError> {
     let header = read_header(jpeg).ok();

@@ -37,7 +37,7 @@ pub enum ReadError {
     },
     /// It is shorter than what every recording begins with.
     #[error(
-        "{}: the file has {bytes} of the {} bytes with which every recording begins: either its recorder was killed at once, or it is no recording; remove it",
+        "{}: the file has {bytes} of the {} bytes with which every recording begins: its recorder was killed at once, or it is none; remove it",
         path.display(), MAGIC.len()
     )]
     Short {

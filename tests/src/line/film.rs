@@ -8,7 +8,8 @@ use std::process::Command;
 /// The filter that makes pictures as a camera gives them: rendered ones have no noise.
 pub const NOISE: &str = "noise=alls=4:allf=t";
 
-/// From when to when the line does not watch one of the films of [`UNSEEN`], in seconds of the film: in the middle of the strokes of a right run.
+/// From when to when the line does not watch one of the films of [`UNSEEN`], in seconds of the film. That is in the middle of the strokes of a right
+/// run.
 pub const UNSEEN_S: [f64; 2] = [4.0, 7.0];
 
 /// What a film shows while the line does not watch it, and the filter that makes it so.

@@ -1,6 +1,6 @@
 //! Looks at the pictures of a recording once more, as `perceive` did while they were recorded.
 //!
-//! What comes out is the same only where `perceive` has seen the same pixels, one frame after the other, with the same program, models and libraries.
+//! What comes out is the same only where `perceive` has seen the same pixels, frame by frame, with the same program, models and libraries.
 //! So [`Looked`] counts each frame of which that is not so.
 
 use std::collections::VecDeque;

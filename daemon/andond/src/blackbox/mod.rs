@@ -1,5 +1,5 @@
 //! Recordings of the role `record`, judged again: from the detections on with the same result, bit for bit, on any machine. From the pictures on
-//! ([`Sight`]) the result is the same where they are those that the camera sent, and the libraries and the processor are the same.
+//! ([`Sight`]) the result is the same under two conditions. They are those that the camera sent, and libraries and processor are the same.
 //!
 //! A recording is read twice. The first time [`Plan`] finds out what the roles did. It notes the first frame of each encoder, the first couples of
 //! each judge, and the couples after which each command was obeyed. The second time [`again`] does the same to the detections.

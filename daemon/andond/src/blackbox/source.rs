@@ -19,7 +19,7 @@ use super::{BlackboxError, Piece, message, only_piece, station_of};
 use crate::recorder;
 use crate::wire;
 
-/// Pictures that wait for what was seen in them, and the reverse: a recorder encodes a picture once `perceive` has looked at it, or while it does. Both
+/// Pictures that wait for what was seen in them, and the reverse. A recorder encodes a picture once `perceive` has looked at it, or while it does. Both
 /// are at most a second behind.
 const WAITING: usize = 32;
 

@@ -252,7 +252,7 @@ pub(super) const EXIT_CODES: &[(&str, &str)] = &[
     ),
     (
         "1",
-        "replay, whatif: an anomaly; status: some role is not healthy; idle: a job is still running; teach: the runs cannot be trusted or none was kept, and nothing was written; use: the judge has refused the job",
+        "replay, whatif: an anomaly; status: some role is not healthy; idle: a job is still running; teach: nothing was written, because the runs cannot be trusted or none was kept; use: the judge has refused the job; forget: what is being written stays",
     ),
     ("2", "replay, whatif: nothing is wrong, but something could not be judged"),
     ("64", "the command line is wrong, or a file that it names cannot be used; the message says what to do"),

@@ -46,7 +46,7 @@ pub struct Teach {
     /// Draw the steps of the job and their order into this file
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
-    /// Keep one small picture of each step beside the job file, out of the films that it is taught from; the worker's page of the board shows it. What
+    /// Keep one small picture of each step beside the job file, out of the films that it is taught from. The worker's page of the board shows it. What
     /// record.bench and record.masks hide is black
     #[arg(long)]
     pub pictures: bool,

@@ -49,7 +49,7 @@ pub enum Command {
     Teach(Teach),
     /// Judge a recording against a taught job; the exit code is the verdict
     Replay(Replay),
-    /// Print the ERUs, IUs, activities and the job of a recording
+    /// Print the contacts (ERUs, IUs), the activities and the job of a recording
     Segment(Segment),
     /// Find the bench in a picture of four markers at known positions
     Calibrate(Calibrate),

@@ -29,7 +29,7 @@ pub enum CalibrationError {
     NotSeen(Vec<u16>),
     /// One marker does not lie where it is said to lie; without it all others fit.
     #[error(
-        "marker {id} does not lie at {}, as it is said: by the others it lies at {}, {:.0} mm away; measure its position again, or move it there",
+        "marker {id} is said to lie at {}; by the others it lies at {}, {:.0} mm away; measure its position again, or move it",
         metres(stated), metres(measured), 1000.0 * stated.distance(*measured)
     )]
     Elsewhere {

@@ -1,4 +1,4 @@
-//! Listens to a line and says how long each frame took, from its capture to the couples that `encode` has sent of it, which the judge waits for.
+//! Listens to a line and says how long each frame took. That is from its capture to the couples that `encode` has sent of it: the judge waits for them.
 //!
 //! `latencies STATION.toml [SECONDS]`: prints a line for each frame, in milliseconds. It fails where it was too slow to hear of every one.
 #![allow(clippy::unwrap_used, clippy::panic)]

@@ -117,7 +117,7 @@ fn part(inspections: &[Inspection], object: &Object, sizes: Sizes, format: Pictu
     // What is read once is a lucky pattern.
     if twice * 4 > inspections.len() {
         let sentence = format!(
-            "its marker {} is in view twice, and nobody knows which one is the part: take the other print away, or give it an id of its own",
+            "its marker {} is in view twice, and which one is the part is not known: take the other print away, or give it another id",
             object.marker_id().unwrap_or(object.id)
         );
         return finding(false, about, sentence);
@@ -157,7 +157,7 @@ fn unseen(inspections: &[Inspection], id: u16) -> String {
     let often = |odd: usize| count(odd) > 1 || inspections.len() == 1 && count(odd) == 1;
     if often(0) {
         return format!(
-            "its marker {id} is seen in the mirror only: the picture is mirrored, as for a selfie; turn that off in the camera or its program"
+            "its marker {id} is seen in the mirror only: the picture is mirrored, as for a selfie. Turn that off in the camera or its program"
         );
     }
     if often(1) {

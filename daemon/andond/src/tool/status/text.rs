@@ -41,7 +41,7 @@ fn write(station: &StationLine<'_>, clock: &Clock, out: &mut impl Write) -> io::
     station.roles.iter().try_for_each(|line| write_role(line, out))?;
     writeln!(
         out,
-        "\nkept: the share of what came that it did not lose since its start; of a core: now; typical and p99: the time that one takes"
+        "\nkept: the share of what came that it has not lost since its start; of a core: now; typical, p99: the time for one"
     )?;
     for line in station.roles {
         for words in look_here(line, station, clock) {
@@ -229,7 +229,7 @@ mod tests {
                 "perceive  SLOW           2.4      8 %       97 %   14.1 ms   20.9 ms  -",
                 "encode    Silent           -        -          -         -         -  -",
                 "",
-                "kept: the share of what came that it did not lose since its start; of a core: now; typical and p99: the time that one takes",
+                "kept: the share of what came that it has not lost since its start; of a core: now; typical, p99: the time for one",
                 "look here: perceive: AND-218, too few pictures are processed to judge by them: 2.4 of 30.0 per second, and the job needs 7.5. \
                  It has kept 8 of 100 frames. Stop what else runs on the machine, or choose perception.hand_model = \"lite\" or a lower camera.rate_hz. A camera in the dark \
                  gives fewer by itself: light the bench better",
