@@ -166,7 +166,8 @@ def a_recorder_that_runs_only_where_nothing_else_has_to_leaves_recordings_that_o
     before = station.read_text()
     station.write_text(before + '\n[record]\nmode = "always"\n')
     try:
-        machine.must("systemctl", "restart", unit("record"))
+        # A line goes on with what it has started with until its target is started again.
+        machine.must("systemctl", "restart", TARGET)
         until(lambda: all_active(machine), "the line does not come back", 30)
         pid = machine.unit(unit("record"))["MainPID"]
         # The forty-first number (proc_pid_stat(5)): 5 is SCHED_IDLE.
@@ -175,7 +176,7 @@ def a_recorder_that_runs_only_where_nothing_else_has_to_leaves_recordings_that_o
         verdicts_go_on(machine)
     finally:
         station.write_text(before)
-        machine.must("systemctl", "restart", unit("record"))
+        machine.must("systemctl", "restart", TARGET)
     until(lambda: all_active(machine), "the line does not come back", 30)
     recordings = machine.must("bash", "-c", f"ls /var/lib/andon/{STATION}.recordings/*.mcap", user="andon").split()
     shown = machine.run("andond", "replay", recordings[0], user="andon")

@@ -66,7 +66,8 @@ fn main() -> ExitCode {
     report(path, &text, has_passed)
 }
 
-/// Where something has failed, the files of the line, with every log, are kept beside the report.
+/// Where something has failed, the files of the line are kept beside the report, with every log. Its recordings are too: `andond replay` says what led to
+/// each verdict.
 struct Evidence {
     from: PathBuf,
     to: PathBuf,
@@ -79,7 +80,8 @@ impl Drop for Evidence {
             return;
         }
         let _ = std::fs::create_dir_all(&self.to);
-        let files = std::fs::read_dir(&self.from).into_iter().flatten().flatten();
+        let folders = [self.from.clone(), self.from.join("recordings")];
+        let files = folders.iter().flat_map(std::fs::read_dir).flatten().flatten();
         for file in files.filter(|file| file.path().is_file()) {
             let _ = std::fs::copy(file.path(), self.to.join(file.file_name()));
         }
