@@ -3,7 +3,7 @@
 //! It is made of [`verdict_fields`](crate::verdict_fields). What writes verdicts down goes through it: the columns of the journal, its rows and their
 //! way back, CSV, and [`Verdict::NONE`]. What has no meaning in a verdict is [`Value::None`] there, whatever number stands for it on the wire.
 //!
-//! Two outputs have more to say of a value than its name and kind, and name it themselves: a table of that would be longer than they are. JSON nests
+//! Two outputs have more to say of a value than its name and kind, and name it themselves. A table of that would be longer than they are. JSON nests
 //! values, leaves some out where they say nothing, and names objects and steps. A replay writes it of the method's own verdict, without a wire. A
 //! register has an address that never changes, a unit without fractions, and a meaning for who programs a controller. The time of a verdict is two of
 //! them. A test of `andond`, `verdict_columns`, holds both to this table.

@@ -32,7 +32,7 @@ pub enum Error {
     Unresponsive,
     /// The link is too slow for the mode.
     #[error(
-        "camera {serial} runs over USB {usb}, which is too slow for {mode}; plug it into a USB 3 port (blue, or marked SS) with its own cable"
+        "camera {serial} runs over USB {usb}, which is too slow for {mode}; use a USB 3 port (blue, or marked SS) and its own cable"
     )]
     UsbSpeed {
         /// The camera.

@@ -1,7 +1,7 @@
 //! Verdicts, from the method to shared memory and back.
 //!
 //! Each field is named once in each direction. The method says by an `Option` whether there is a value, and keeps together what belongs together,
-//! such as a measure with what was shown. The wire is flat and has numbers for none, and the method must not know it. So a list that makes both
+//! such as a measure with what was shown. The wire is flat and has numbers for none, and the method must not know it. A list that makes both
 //! directions would need a conversion for each pair of types, and would have the three groups by hand all the same.
 //!
 //! Two tests hold it to the table of `verdict_fields!`. What [`read`] leaves out is missing in JSON (`verdict_columns`), and what [`write`] leaves out

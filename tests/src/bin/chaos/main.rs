@@ -5,7 +5,7 @@
 //! when a job was OK that was not right and whole. It also fails when one was OK for a part or by a job that the PLC did not want then. It fails when
 //! no right job was OK or no wrong one was found while nothing was disturbed. It fails when the line was ready while it could not judge, or not by
 //! the job that the PLC wants. It fails when shared memory is leaked, or when the PLC did not see `ready` drop. It fails when a recording cannot be
-//! read to its end, or when of a hundred roles more than one took longer than `P99_MS` to come back. Without `P99_MS` that time is only reported,
+//! read to its end. It fails when of a hundred roles more than one took longer than `P99_MS` to come back. Without `P99_MS` that time is only reported,
 //! because it depends on how busy the machine is.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
