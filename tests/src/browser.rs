@@ -107,12 +107,31 @@ impl Browser {
         self.until(tab, "document.readyState === 'complete' && location.href !== 'about:blank'");
     }
 
-    /// Presses a key that writes nothing, as Tab.
+    /// Presses a key that writes nothing, as Tab, or Enter, which does what has the focus.
     pub fn press(&mut self, tab: &Tab, key: &str, code: u32) {
-        for kind in ["rawKeyDown", "keyUp"] {
-            let event = json!({"type": kind, "key": key, "code": key, "windowsVirtualKeyCode": code});
+        // Enter does nothing without its character.
+        let text = if key == "Enter" { "\r" } else { "" };
+        for kind in [if text.is_empty() { "rawKeyDown" } else { "keyDown" }, "keyUp"] {
+            let event =
+                json!({"type": kind, "key": key, "code": key, "windowsVirtualKeyCode": code, "text": text});
             self.ask(Some(tab), "Input.dispatchKeyEvent", event);
         }
+    }
+
+    /// Writes where the focus is.
+    pub fn write(&mut self, tab: &Tab, text: &str) {
+        self.ask(Some(tab), "Input.insertText", json!({"text": text}));
+    }
+
+    /// Goes on by the Tab key until what has the focus makes a JavaScript expression true.
+    pub fn tab_to(&mut self, tab: &Tab, expression: &str) {
+        for _ in 0..500 {
+            if self.value(tab, expression) == json!(true) {
+                return;
+            }
+            self.press(tab, "Tab", 9);
+        }
+        panic!("no key leads to {expression}: {}", self.value(tab, "document.body.innerText"));
     }
 
     /// The value of a JavaScript expression.

@@ -173,7 +173,50 @@ fn a_technician_logs_in_says_that_a_verdict_was_wrong_and_logs_out() {
 }
 
 #[test]
-fn who_follows_a_link_to_an_event_logs_in_and_sees_its_film_and_nothing_of_it_after_the_logout() {
+fn by_the_keyboard_alone_somebody_logs_in_and_says_that_a_verdict_was_wrong_and_a_second_browser_shows_it() {
+    let (_line, mut watcher, port) = at_work();
+    watcher.until("a piece", |watcher| watcher.verdicts.iter().any(|verdict| verdict.level == 3));
+    let mut browsers = [0, 1].map(|_| Browser::start_with(&["--ignore-certificate-errors"]));
+    let page = format!("https://localhost:{port}/technician?lang=");
+    let [one, other] = &mut browsers;
+    let [own, theirs] = [one.open(&format!("{page}en"), FULL_HD), other.open(&format!("{page}de"), TABLET)];
+    one.until(&own, "document.activeElement.id === 'name'");
+    one.write(&own, "maria");
+    one.press(&own, "Tab", 9);
+    one.write(&own, PASSWORD);
+    one.press(&own, "Enter", 13);
+    one.until(&own, "location.pathname + location.search === '/technician?lang=en'");
+    log_in(other, &theirs, "maria", PASSWORD);
+    for (browser, tab) in [(&mut *one, &own), (&mut *other, &theirs)] {
+        browser.until(tab, "document.querySelectorAll('#events tbody tr').length > 1");
+    }
+    // The list goes on meanwhile, and the focus stays where it is.
+    one.tab_to(&own, "document.activeElement.name === 'wrong'");
+    let verdict = one.value(&own, "document.activeElement.value").as_str().unwrap().to_owned();
+    one.value(&own, "window.isOld = true");
+    one.press(&own, "Enter", 13);
+    let cell = format!("document.querySelector('#e{verdict} .confirm')?.innerText");
+    one.until(&own, &format!("!window.isOld && {cell}?.includes('✕ wrong')"));
+    other.until(&theirs, &format!("{cell}?.includes('✕ falsch') && {cell}.includes('maria')"));
+    // The page of the event, and back.
+    let link = format!(
+        "document.activeElement.getAttribute('href')?.includes('/technician/event?lang=en&at={verdict}')"
+    );
+    one.tab_to(&own, &link);
+    one.press(&own, "Enter", 13);
+    one.until(&own, "document.querySelector('#verdict .confirm')?.innerText.includes('✕ wrong')");
+    one.tab_to(&own, "document.activeElement.closest('main > .turns') !== null");
+    one.press(&own, "Enter", 13);
+    one.until(&own, &format!("location.pathname === '/technician' && location.hash === '#e{verdict}'"));
+    one.tab_to(&own, "document.activeElement.closest('form.out') !== null");
+    one.press(&own, "Enter", 13);
+    one.until(&own, "location.pathname === '/login'");
+    other.until(&theirs, "location.pathname === '/technician' && document.getElementById('lost').hidden");
+}
+
+#[test]
+fn who_follows_a_link_to_an_event_logs_in_sees_its_film_says_it_was_wrong_and_sees_nothing_after_the_logout()
+{
     let mut line = Line::with_film("speed = \"file\"", "", &["-i", "p1_J1_r1.mp4"]);
     let port = on_the_network(&line);
     done(&line, &["certificate"]);
@@ -210,6 +253,18 @@ fn who_follows_a_link_to_an_event_logs_in_and_sees_its_film_and_nothing_of_it_af
     }
     let download = "fetch(document.querySelector('a[download]').href).then((answer) => answer.headers.get('content-disposition'))";
     assert_eq!(browser.value(&tab, download), json!("attachment"));
+    // It is said here as well, and the film stays at its picture.
+    browser.value(&tab, "document.getElementById('previous').click()");
+    browser.until(&tab, "new URLSearchParams(location.search).has('frame')");
+    let place = browser.value(&tab, "window.isOld = true; location.pathname + location.search");
+    browser.value(&tab, "document.querySelector('#verdict [name=wrong]').click()");
+    let said = "!window.isOld && document.querySelector('#verdict .confirm')?.innerText.includes('✕ falsch')";
+    browser.until(&tab, said);
+    assert_eq!(browser.value(&tab, "location.pathname + location.search"), place);
+    assert_eq!(browser.value(&tab, "document.querySelector('#verdict [name=wrong]')"), json!(null));
+    let kept = audit(&line);
+    let wrong = format!("of {}-{} was on work that was wrong", fault.epoch, fault.seq);
+    assert!(kept.contains("login maria") && kept.contains(&wrong), "{kept}");
     browser.value(&tab, "document.querySelector('form.out button').click()");
     browser.until(&tab, "location.pathname === '/login'");
     for name in ["still.jpg", "frame.svg", "one.mcap"] {

@@ -157,7 +157,10 @@ fn the_page_of_an_event_is_answered_later_to_the_session_that_has_asked_and_its_
         let session = cookie(&answer);
         let page = plant.get(event, &session);
         let out = format!("name=\"csrf\" value=\"{}\"", plant.csrf(&session));
-        for text in ["action=\"/logout\"", "<span>technician</span>", &out] {
+        let form = "<form id=\"confirm\" method=\"post\" action=\"/confirm\">";
+        let button = "<button form=\"confirm\" name=\"wrong\" value=\"17-4\">";
+        let place = "name=\"frame\" value=\"3\"";
+        for text in ["action=\"/logout\"", "<span>technician</span>", &out, form, button, place] {
             assert!(page.contains(text), "{text} is not in {page}");
         }
         let download = plant.get("/technician/film/one.mcap?at=17-4", &session);

@@ -23,9 +23,8 @@ pub(super) fn form(html: &mut Html, address: &Address, visitor: &Visitor) {
     }
 }
 
-/// The cell of a verdict.
+/// What was said of a verdict, and the buttons.
 pub(super) fn draw(html: &mut Html, board: &Board, words: &Table, address: &Address, verdict: &Verdict) {
-    html.raw("<td class=\"confirm\">");
     let said = board.confirmations.of(verdict.stamp.id());
     match said {
         Some((was, who)) => {
@@ -47,5 +46,4 @@ pub(super) fn draw(html: &mut Html, board: &Board, words: &Table, address: &Addr
         }
         html.raw("</span>");
     }
-    html.raw("</td>");
 }

@@ -1,12 +1,13 @@
 //! An event: its verdict in words, the measure against what was shown, the pictures around it as a film, and the still.
 //!
-//! A browser without scripts goes from picture to picture by links, and chooses one by the form. With scripts the film plays.
+//! Who may say so says here as well whether it was right. A browser without scripts goes from picture to picture by links, and chooses one by the form. With scripts the film plays.
 
 use std::fmt::Write as _;
 
 use shm_schemas::Verdict;
 
-use super::{explain, plot, technician};
+use super::{confirmed, explain, plot, technician};
+use crate::access::Visitor;
 use crate::address::{Address, Page};
 use crate::board::Board;
 use crate::film::{Film, NoFilm};
@@ -30,11 +31,13 @@ pub(super) fn draw_whole(
     board: &Board,
     words: &Table,
     address: &Address,
+    visitor: &Visitor,
     film: Option<&Result<Film, NoFilm>>,
 ) {
     html.raw("<main><p class=\"turns\"><a href=\"");
     let list = address.on(Page::Technician);
     html.text(&list.link()).raw("#e").text(&address.at).element("\">", words.say("clip.list"), "</a></p>");
+    confirmed::form(html, address, visitor);
     html.raw("<div class=\"event\">");
     draw(html, board, words, address);
     match film {
@@ -67,7 +70,9 @@ fn told(html: &mut Html, board: &Board, words: &Table, address: &Address, verdic
     pair("label.help", teller.help(verdict));
     pair("label.time", Some((board.settings.local_time)(verdict.decided_utc_ns)));
     pair("label.part_id", Some(verdict.part.text().to_owned()).filter(|part| !part.is_empty()));
-    html.raw("</dl>");
+    html.element("<div><dt>", words.say("label.confirmed"), "</dt><dd class=\"confirm\">");
+    confirmed::draw(html, board, words, address, verdict);
+    html.raw("</dd></div></dl>");
     if let Some(values) = measures(verdict) {
         html.element("<figure class=\"measure\"><figcaption>", words.say("clip.measure"), "</figcaption>");
         plot::measure(html, values);
@@ -182,7 +187,7 @@ mod tests {
     fn drawn(query: &str, film: Option<&Result<Film, NoFilm>>) -> String {
         let (board, address) = (board(), Address::new(Page::Event, query));
         let mut html = Html::default();
-        draw_whole(&mut html, &board, board.words(&address).1, &address, film);
+        draw_whole(&mut html, &board, board.words(&address).1, &address, &Visitor::default(), film);
         html.finish()
     }
 

@@ -70,7 +70,7 @@ pub(crate) fn whole(
     match address.page {
         Page::Worker => worker::draw(&mut html, board, words),
         Page::Technician => technician::draw_whole(&mut html, board, words, address, visitor),
-        Page::Event => event::draw_whole(&mut html, board, words, address, film),
+        Page::Event => event::draw_whole(&mut html, board, words, address, visitor, film),
         Page::Explain => explain::draw(&mut html, board, words, address),
         Page::Look => look::draw_whole(&mut html, board, words, address),
     }

@@ -154,6 +154,8 @@
             go(at + by);
         });
     }
+    // Every form of the page leads back to the picture that is shown.
+    document.addEventListener("formdata", (event) => event.formData.set("frame", String(at)));
     const shown = /** @type {HTMLImageElement} */ (of("frame"));
     const isLost = () => (of("frame_lost").hidden = false);
     shown.addEventListener("error", isLost);

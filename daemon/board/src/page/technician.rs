@@ -245,8 +245,9 @@ fn event(html: &mut Html, board: &Board, words: &Table, address: &Address, verdi
     html.raw("<td><a href=\"").text(&Address { at: name, ..address.on(Page::Event) }.link()).raw("\">");
     html.raw(if has_clip { "\u{25b6} " } else { "" });
     html.text(words.say(if has_clip { "label.clip" } else { "label.look" })).raw("</a></td>");
+    html.raw("<td class=\"confirm\">");
     confirmed::draw(html, board, words, address, verdict);
-    html.raw("</tr>");
+    html.raw("</td></tr>");
 }
 
 /// The outcome as a sign, beside its word and its colour.
