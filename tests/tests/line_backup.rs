@@ -1,6 +1,7 @@
 //! `andond backup` and `andond restore`: a station comes back as it was, and neither a running line nor a damaged archive is ever restored over.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use andon_learn::job_file::JobFile;
 use andon_tests::line::{Line, Settings, andond};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -127,4 +128,41 @@ fn an_archive_is_listed_and_laid_out_elsewhere_without_touching_the_station() {
     assert!(output.status.success(), "{}", stderr(&output));
     let job = into.join(line.path("job.toml").strip_prefix("/").unwrap());
     assert_eq!(std::fs::read(job).unwrap(), contents(&line, "job.toml"));
+}
+
+#[test]
+fn pictures_of_steps_are_backed_up_with_their_job_and_those_of_another_job_go() {
+    let line = Line::new(Settings::live());
+    let job = JobFile::parse("job.toml", &contents(&line, "job.toml")).unwrap();
+    let own = format!("job.{:016x}.step-1.jpg", job.model_hash());
+    let other = "job.0123456789abcdef.step-1.jpg";
+    for (name, bytes) in [(own.as_str(), "own"), (other, "other")] {
+        std::fs::write(line.path(name), bytes).unwrap();
+    }
+    let archive = line.path("station.tar");
+    let backed_up = line.command("backup", &[archive.to_str().unwrap()]);
+    let listed = String::from_utf8_lossy(&backed_up.stdout).into_owned();
+    assert!(listed.contains(&own) && !listed.contains(other), "{listed}{}", stderr(&backed_up));
+    std::fs::remove_file(line.path(&own)).unwrap();
+    let output = restore(&archive, &[]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(contents(&line, &own), b"own");
+    assert!(!line.path(other).exists(), "nobody looks for it again");
+    // It is replaced as any other file is.
+    std::fs::write(line.path(&own), "changed").unwrap();
+    let output = restore(&archive, &[]);
+    assert!(output.status.code() == Some(64) && stderr(&output).contains(&own), "{}", stderr(&output));
+    assert_eq!(restore(&archive, &["--replace"]).status.code(), Some(0));
+    assert_eq!(contents(&line, &own), b"own");
+    // It is as old as its job, which was taught today.
+    let forget = |before: &str| {
+        let output = line.command("forget", &["--before", before]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    forget("3d");
+    assert!(line.path(&own).exists());
+    assert!(forget("2199-01-01T00:00:00Z").contains(&own) && !line.path(&own).exists());
+    let kept = String::from_utf8(line.command("history", &["--audit"]).stdout).unwrap();
+    assert!(kept.contains("0 recordings and 1 pictures of steps to be removed: from before 2199"), "{kept}");
 }

@@ -1,4 +1,4 @@
-//! The archive of a station: configuration, jobs, calibration and journal, each with its hash, in one tar file.
+//! The archive of a station: configuration, jobs, pictures of their steps, calibration and journal, each with its hash, in one tar file.
 //!
 //! The first entry lists the others: its name in the archive, where it was, its length and SHA-256. A restore looks at all of it before it
 //! writes anything.
@@ -58,6 +58,8 @@ pub(crate) enum Kind {
     Configuration,
     /// A job.
     Job,
+    /// What a step of a job looks like.
+    StepPicture,
     /// The place of the bench.
     Calibration,
     /// The database of the verdicts.

@@ -1,6 +1,8 @@
 //! One small picture of each step of a job, beside the job file: `andond teach --pictures` writes them, and the board shows them.
 //!
-//! Their names have the hash of the job, so that no job is shown with the pictures of another one.
+//! Their names have the hash of the job, so that no job is shown with the pictures of another one. They show people at work, who have demonstrated it:
+//! a job that is taught again leaves none of those before, and no recording of the station becomes one. So `andond forget --part` finds all that shows
+//! a part, and `--before` removes those of jobs that were taught before.
 
 use std::fs;
 use std::io::{self, Read as _};
@@ -46,28 +48,52 @@ pub(crate) fn write(
     Ok(())
 }
 
-/// Removes those of every job that this file held before: nobody would look for them again, and they show people at work.
-///
-/// # Errors
-/// The picture that cannot be removed, and why.
-pub(crate) fn remove(path: &Path) -> Result<(), (PathBuf, io::Error)> {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let is_ours = |name: &str| {
-        let rest = name.strip_prefix(&stem).and_then(|rest| rest.strip_prefix('.'));
-        let parts = rest.and_then(|rest| rest.strip_suffix(".jpg")?.split_once(".step-"));
-        parts.is_some_and(|(hash, step)| {
-            hash.len() == 16
-                && hash.bytes().all(|byte| byte.is_ascii_hexdigit())
-                && step.parse::<u16>().is_ok()
-        })
-    };
-    let folder = folder_of(path);
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        if entry.file_name().to_str().is_some_and(is_ours) {
-            fs::remove_file(entry.path()).map_err(|error| (entry.path(), error))?;
+/// A picture that lies in a folder of jobs.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct StepPicture {
+    pub(crate) path: PathBuf,
+    /// The file of its job.
+    pub(crate) job: PathBuf,
+    /// The hash of its job. Where the file has another one by now, or is gone, nobody looks for the picture.
+    pub(crate) model_hash: u64,
+}
+
+impl StepPicture {
+    fn at(path: PathBuf) -> Option<Self> {
+        let (stem, rest) = path.file_name()?.to_str()?.strip_suffix(".jpg")?.rsplit_once('.')?;
+        let (job, hash) = stem.rsplit_once('.')?;
+        rest.strip_prefix("step-")?.parse::<u16>().ok()?;
+        let is_hash = hash.len() == 16 && hash.bytes().all(|byte| byte.is_ascii_hexdigit());
+        let model_hash = u64::from_str_radix(hash, 16).ok().filter(|_| is_hash)?;
+        Some(Self { job: path.with_file_name(format!("{job}.toml")), model_hash, path })
+    }
+
+    /// Removes it; one that is gone already is no error.
+    ///
+    /// # Errors
+    /// The picture, and why it cannot be removed.
+    pub(crate) fn remove(&self) -> Result<(), (PathBuf, io::Error)> {
+        match fs::remove_file(&self.path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err((self.path.clone(), error)),
+            _ => Ok(()),
         }
     }
-    Ok(())
+}
+
+/// All pictures in a folder of jobs; none where it cannot be read.
+pub(crate) fn in_folder(folder: &Path) -> Vec<StepPicture> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut pictures: Vec<_> = entries.filter_map(|entry| StepPicture::at(entry.path())).collect();
+    pictures.sort();
+    pictures
+}
+
+/// The pictures beside a job file, of whichever job it held when they were made.
+pub(crate) fn beside(job: &Path) -> Vec<StepPicture> {
+    let name = job.with_extension("toml");
+    let mut pictures = in_folder(folder_of(job));
+    pictures.retain(|picture| picture.job.file_name() == name.file_name());
+    pictures
 }
 
 #[cfg(test)]
@@ -76,21 +102,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_the_pictures_of_this_job_file_are_removed() {
+    fn only_the_pictures_of_this_job_file_are_those_beside_it() {
         let folder = tempfile::tempdir().unwrap();
-        let kept = ["polish.toml", "polish.jpg", "polish.step-1.jpg", "polish2.0123456789abcdef.step-1.jpg"];
-        let gone = ["polish.0123456789abcdef.step-1.jpg", "polish.fedcba9876543210.step-12.jpg"];
-        for name in kept.iter().chain(&gone) {
+        let ours = ["polish.0123456789abcdef.step-1.jpg", "polish.fedcba9876543210.step-12.jpg"];
+        let others =
+            ["polish.toml", "polish.jpg", "polish.step-1.jpg", "polish2.0123456789abcdef.step-1.jpg"];
+        for name in others.iter().chain(&ours) {
             fs::write(folder.path().join(name), "x").unwrap();
         }
-        remove(&folder.path().join("polish.toml")).unwrap();
-        let mut names: Vec<String> = fs::read_dir(folder.path())
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
-        names.sort();
-        let mut expected = kept.map(str::to_owned);
-        expected.sort();
-        assert_eq!(names, expected);
+        let pictures = beside(&folder.path().join("polish.toml"));
+        assert_eq!(
+            pictures.iter().map(|picture| picture.path.clone()).collect::<Vec<_>>(),
+            ours.map(|name| folder.path().join(name))
+        );
+        assert_eq!(pictures[0].model_hash, 0x0123_4567_89ab_cdef);
+        assert_eq!(in_folder(folder.path()).len(), 3);
+        pictures.iter().for_each(|picture| picture.remove().unwrap());
+        // It is gone already.
+        pictures[0].remove().unwrap();
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), others.len());
     }
 }

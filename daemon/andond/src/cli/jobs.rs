@@ -46,8 +46,8 @@ pub struct Teach {
     /// Draw the steps of the job and their order into this file
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
-    /// Keep one small picture of each step beside the job file, out of the films that it is taught from. The worker's page of the board shows it. What
-    /// record.bench and record.masks hide is black
+    /// Keep one small picture of each step beside the job file, out of the films that it is taught from. None comes out of a recording of the station.
+    /// The worker's page of the board shows it. What record.bench and record.masks hide is black
     #[arg(long)]
     pub pictures: bool,
     /// The number by which a PLC selects the job. [default: its own if it is taught again, else the smallest that no job of the station or beside it

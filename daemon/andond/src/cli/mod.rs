@@ -81,7 +81,7 @@ pub enum Command {
     Confirm(Confirm),
     /// Say what another job would have said of what was recorded; the exit code is as that of replay
     Whatif(Whatif),
-    /// Remove recordings before their time; the journal keeps who has done it
+    /// Remove recordings and pictures of steps before their time; the journal keeps who has done it
     Forget(Forget),
     /// Write jobs, configuration and journal of a station to one file, also while it runs
     Backup(Backup),

@@ -1,4 +1,4 @@
-//! `andond backup`: configuration, jobs, calibration and journal in one file.
+//! `andond backup`: configuration, jobs with the pictures of their steps, calibration and journal in one file.
 
 use std::path::{Path, PathBuf};
 
@@ -8,10 +8,10 @@ use andon_host::exit::Code;
 use andon_journal::{History, JournalError};
 use andon_learn::file;
 
-use super::{ToolError, cannot_write, running_config};
+use super::{ToolError, cannot_write, jobs, running_config};
 use crate::backup::{self, Kind};
 use crate::cli::Backup;
-use crate::role;
+use crate::{role, step_pictures};
 
 /// Runs the command. The journal is copied as it is at one moment, also while the line writes it.
 ///
@@ -50,11 +50,14 @@ fn files(config: &Config) -> Result<Vec<(PathBuf, Kind)>, ToolError> {
         }
     };
     config.files.iter().for_each(|file| add(file, Kind::Configuration));
-    config.station.job.iter().for_each(|job| add(job, Kind::Job));
-    let folder = &config.station.jobs;
-    if folder.is_dir() {
-        let jobs = role::job_files(folder).map_err(cannot_read(folder))?;
-        jobs.iter().for_each(|job| add(job, Kind::Job));
+    for job in jobs::files_of_station(config)? {
+        add(&job, Kind::Job);
+        // What is left of another job than the one that the file holds now is no part of the station.
+        let hash = role::read_job(&job).ok().map(|job| job.model_hash());
+        let pictures = step_pictures::beside(&job).into_iter();
+        pictures
+            .filter(|picture| Some(picture.model_hash) == hash)
+            .for_each(|picture| add(&picture.path, Kind::StepPicture));
     }
     config.bench.calibration.iter().for_each(|calibration| add(calibration, Kind::Calibration));
     let journal = config.journal_path();

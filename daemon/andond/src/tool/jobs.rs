@@ -94,18 +94,34 @@ pub(super) fn of_station(config: &Config) -> Result<FoundJobs, ToolError> {
     Ok(found)
 }
 
+/// The job files of a station, whatever is in them: that of its configuration, and those of its folder.
+///
+/// # Errors
+/// A folder that cannot be read.
+pub(super) fn files_of_station(config: &Config) -> Result<Vec<PathBuf>, ToolError> {
+    let mut files: Vec<PathBuf> = config.station.job.iter().cloned().collect();
+    let folder = &config.station.jobs;
+    if folder.is_dir() {
+        files.extend(role::job_files(folder).map_err(unread(folder))?);
+    }
+    Ok(files)
+}
+
+fn unread(folder: &Path) -> impl Fn(std::io::Error) -> ToolError {
+    |source| ToolError::Read {
+        path: folder.into(),
+        source,
+        remedy: "name a folder of job files, or set station.jobs",
+    }
+}
+
 /// The jobs of a folder.
 ///
 /// # Errors
 /// A folder that cannot be read.
 pub(super) fn in_folder(folder: &Path) -> Result<FoundJobs, ToolError> {
-    let unread = |source| ToolError::Read {
-        path: folder.into(),
-        source,
-        remedy: "name a folder of job files, or set station.jobs",
-    };
     let mut found = FoundJobs::default();
-    role::job_files(folder).map_err(unread)?.into_iter().for_each(|path| found.add(path));
+    role::job_files(folder).map_err(unread(folder))?.into_iter().for_each(|path| found.add(path));
     found.sort();
     Ok(found)
 }

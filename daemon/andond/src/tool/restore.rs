@@ -11,7 +11,7 @@ use shm_schemas::AuditKind;
 use super::{ToolError, cannot_write};
 use crate::backup::{Archive, ArchiveError, Entry, Kind};
 use crate::cli::Restore;
-use crate::identity;
+use crate::{identity, role, step_pictures};
 
 /// Runs the command. Nothing is written before the whole archive was checked and the station was found at rest.
 ///
@@ -38,6 +38,10 @@ pub fn run(arguments: &Restore) -> Result<Code, ToolError> {
         return Err(ArchiveError::InTheWay(in_the_way).into());
     }
     put_all(&archive, place)?;
+    archive
+        .files()
+        .filter(|(entry, _)| entry.kind == Kind::Job)
+        .try_for_each(|(entry, _)| tidy(&place(entry)))?;
     note(&archive, arguments)?;
     println!("restored; check it with `andond check` before the station starts");
     Ok(Code::Stopped)
@@ -72,6 +76,18 @@ fn put_all(archive: &Archive, place: impl Fn(&Entry) -> PathBuf) -> Result<(), T
         let named = if kind == Kind::Journal { forget_companions(&path) } else { Ok(()) };
         named.and_then(|()| atomic::put(part.into_temp_path(), &path)).map_err(cannot_write(&path))
     })
+}
+
+/// Removes the pictures of the steps of another job than the one that the file holds now: nobody looks for them, and they show people.
+fn tidy(job: &Path) -> Result<(), ToolError> {
+    // What is no job has none.
+    let Ok(hash) = role::read_job(job).map(|job| job.model_hash()) else { return Ok(()) };
+    let others = step_pictures::beside(job).into_iter().filter(|picture| picture.model_hash != hash);
+    for picture in others {
+        picture.remove().map_err(|(path, source)| ToolError::Remove { path, source })?;
+        println!("removed, it belonged to another job: {}", picture.path.display());
+    }
+    Ok(())
 }
 
 /// What lies beside an old database is not part of the one that takes its place.

@@ -1,6 +1,7 @@
-//! `andond forget`: removes recordings before their time. The journal keeps who has done it, and of what.
+//! `andond forget`: removes recordings before their time, and pictures of steps. The journal keeps who has done it, and of what.
 
 mod part;
+mod pictures;
 
 use std::path::{Path, PathBuf};
 
@@ -15,6 +16,7 @@ use super::part::part_id;
 use super::since::since_ns;
 use super::{ToolError, audit, running_config};
 use crate::cli::Forget;
+use crate::step_pictures::StepPicture;
 
 /// Runs the command. What is being written stays: its recorder would go on writing into a file that nobody sees any more.
 ///
@@ -24,10 +26,19 @@ pub fn run(arguments: &Forget) -> Result<Code, ToolError> {
     let config = running_config(&arguments.config)?.config;
     let meant = Meant::of(arguments)?;
     let found = meant.among(recordings(&config)?);
+    let pictures = meant.pictures(&config);
     if found.is_empty() {
         println!("no recording is {}", meant.words());
     }
-    let written = remove_all(&config, &found, &meant)?;
+    if !(found.is_empty() && pictures.is_empty()) {
+        // First it is said, then it is done: nothing is removed unsaid.
+        audit::keep(&config, AuditKind::Recording, &meant.said(found.len(), pictures.len()))?;
+    }
+    let written = remove_all(&config, &found)?;
+    for picture in &pictures {
+        picture.remove().map_err(|(path, source)| ToolError::Remove { path, source })?;
+        println!("removed: {}", picture.path.display());
+    }
     for path in &written {
         println!(
             "NOT removed: {} is being written; run this again when it is complete, at the latest after the role `record` was stopped or restarted",
@@ -37,13 +48,8 @@ pub fn run(arguments: &Forget) -> Result<Code, ToolError> {
     Ok(if written.is_empty() { Code::Stopped } else { Code::Declined })
 }
 
-/// First it is said, then it is done: nothing is removed unsaid. Returns those that a recorder writes, which stay. One that cannot be removed keeps no
-/// other one.
-fn remove_all(config: &Config, found: &[Recording], meant: &Meant) -> Result<Vec<PathBuf>, ToolError> {
-    if !found.is_empty() {
-        let what = format!("{} recordings to be removed: {}", found.len(), meant.words());
-        audit::keep(config, AuditKind::Recording, &what)?;
-    }
+/// Returns those that a recorder writes, which stay. One that cannot be removed keeps no other one.
+fn remove_all(config: &Config, found: &[Recording]) -> Result<Vec<PathBuf>, ToolError> {
     let failed = |path: &Path| {
         let path = path.to_path_buf();
         move |source| ToolError::Remove { path, source }
@@ -93,6 +99,21 @@ impl Meant {
             }
             Self::Part(part) => part::showing(recordings, part),
         }
+    }
+
+    /// The pictures of steps that are meant. They come from demonstrations and never from a recording, so that none shows work on a part.
+    fn pictures(&self, config: &Config) -> Vec<StepPicture> {
+        match self {
+            Self::Before(utc_ns, _) => pictures::from_before(config, *utc_ns),
+            Self::Part(_) => Vec::new(),
+        }
+    }
+
+    /// What the journal keeps.
+    fn said(&self, recordings: usize, pictures: usize) -> String {
+        let pictures =
+            if pictures > 0 { format!(" and {pictures} pictures of steps") } else { String::new() };
+        format!("{recordings} recordings{pictures} to be removed: {}", self.words())
     }
 
     fn words(&self) -> String {

@@ -33,6 +33,7 @@ use super::{
 };
 use crate::cli::{self, Teach};
 use crate::compatibility::Misfit;
+use crate::step_pictures::StepPicture;
 use crate::{role, step_pictures};
 use history::Confirmed;
 use sources::Wanted;
@@ -175,7 +176,8 @@ fn step_pictures(
     config: &Config,
 ) -> Result<String, ToolError> {
     let unwritten = |(path, error): (PathBuf, std::io::Error)| cannot_write(&path)(error);
-    step_pictures::remove(&arguments.out).map_err(unwritten)?;
+    // Nobody would look for them again, and they show people at work.
+    step_pictures::beside(&arguments.out).iter().try_for_each(StepPicture::remove).map_err(unwritten)?;
     if !arguments.pictures {
         return Ok(String::new());
     }

@@ -10,6 +10,7 @@ use andon_host::config::Config;
 use andon_learn::job_file::JobFile;
 use andon_record::picture::{Decoded, encode};
 
+use crate::blackbox;
 use crate::picture::Veil;
 use crate::recording::{Recording, View};
 use crate::tool::ToolError;
@@ -19,8 +20,9 @@ use crate::tool::replay::judge_next;
 const WIDTH: u32 = 480;
 const QUALITY: u8 = 80;
 
-/// The pictures of the steps, each from the first recording that shows its step done right: at the end of the first contact of its part with another
-/// one, or else at the end of the step. What `record.bench` and `record.masks` hide is black.
+/// The pictures of the steps, each from the first film that shows its step done right: at the end of the first contact of its part with another one, or
+/// else at the end of the step. What `record.bench` and `record.masks` hide is black. A recording of the station gives none: who works there has not
+/// shown it to others, and `andond forget` must find all of it.
 ///
 /// # Errors
 /// A recording that cannot be read again, and a picture of which nobody can hide what may not be seen.
@@ -31,7 +33,7 @@ pub(super) fn of_steps(
 ) -> Result<Vec<Option<Vec<u8>>>, ToolError> {
     let mut pictures: Vec<Option<Vec<u8>>> = vec![None; job.steps.len()];
     let mut veil = Veil::new(&config.record);
-    for path in recordings {
+    for path in recordings.iter().filter(|path| !blackbox::is_recording(path)) {
         if pictures.iter().all(Option::is_some) {
             break;
         }
@@ -106,7 +108,18 @@ fn shrunk(width: u32, height: u32, pixels: Vec<u8>) -> Decoded {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn a_recording_of_the_station_is_not_even_opened_for_a_picture() {
+        let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/jobs/polish-and-measure.toml");
+        let job = crate::role::read_job(&shipped).unwrap();
+        let pictures = |name: &str| of_steps(&job, &[name.into()], &Config::default());
+        assert_eq!(pictures("missing.mcap").unwrap(), [None, None]);
+        assert!(pictures("missing.mp4").is_err());
+    }
 
     #[test]
     fn a_small_picture_has_the_mean_of_each_square() {
