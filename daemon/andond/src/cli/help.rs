@@ -11,6 +11,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         &[
             ("see every role at work, for three minutes", "andond demo"),
             ("keep the clips with what was seen and judged", "andond demo --speed max --annotate clips"),
+            ("show what ran in a browser, until Ctrl-C", "andond demo --speed max --board"),
         ],
     ),
     (

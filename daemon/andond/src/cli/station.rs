@@ -23,6 +23,9 @@ pub struct Demo {
     /// Write a copy of each clip into this folder, with what was seen and judged drawn on it
     #[arg(long, value_name = "FOLDER")]
     pub annotate: Option<PathBuf>,
+    /// Show on a board what just ran, with clips of the faults, and play the first clip again and again, until Ctrl-C. Only this machine reaches it
+    #[arg(long)]
+    pub board: bool,
 }
 
 /// How fast a recording is played.

@@ -39,6 +39,9 @@ const ROLES: [(&str, RoleId); 6] = [
     ("plc", RoleId::Plc),
 ];
 
+/// Those that a board needs: it shows what just ran, with clips of the faults.
+const BOARD_ROLES: [(&str, RoleId); 2] = [("record", RoleId::Record), ("board", RoleId::Board)];
+
 /// The name of the demo's station.
 const STATION: &str = "demo";
 
@@ -69,8 +72,9 @@ pub fn run(arguments: &Demo) -> Result<Code, ToolError> {
     let names = Names::of_job(&file);
     let folder = arguments.clips.clone().unwrap_or_else(|| existing(CLIPS));
     let clips = clips(&folder)?;
-    let mut line = Line::start(&configs(&arguments.config), &job, &clips[0])?;
-    println!("watching the job {:?} with {} roles, one process each", file.name, ROLES.len() + 1);
+    let mut line = Line::start(arguments, &job, &clips[0])?;
+    // And capture.
+    println!("watching the job {:?} with {} roles, one process each", file.name, line.roles.len() + 1);
     println!("{} clips; an IU is the time in which a hand touches the same parts", clips.len());
     let mut played = Vec::new();
     for clip in &clips {
@@ -89,6 +93,11 @@ pub fn run(arguments: &Demo) -> Result<Code, ToolError> {
         for (clip, received) in clips.iter().zip(&played) {
             film::write(clip, folder, received, &names, file.method.blind_ms)?;
         }
+    }
+    if let Some(address) = line.board.clone() {
+        println!("\nthe board shows what ran, until Ctrl-C:");
+        println!("      {address} for the worker, {address}technician for the technician");
+        line.show(&clips[0])?;
     }
     Ok(Code::Stopped)
 }
@@ -119,9 +128,12 @@ fn clips(folder: &Path) -> Result<Vec<PathBuf>, ToolError> {
     Ok(clips)
 }
 
-/// A port that no program listens on now: a demo may run beside a station.
-fn free_port() -> std::io::Result<u16> {
-    Ok(TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?.port())
+/// Two ports that no program listens on now: a demo may run beside a station.
+fn free_ports() -> std::io::Result<[u16; 2]> {
+    let free = || TcpListener::bind((Ipv4Addr::LOCALHOST, 0));
+    // Both are taken before one is free again, so that they differ.
+    let [one, other] = [free()?, free()?];
+    Ok([one.local_addr()?.port(), other.local_addr()?.port()])
 }
 
 /// A folder that is removed with the demo. It holds sockets, whose paths must be short: where TMPDIR is too long, it is made
@@ -139,15 +151,23 @@ fn no_files(source: std::io::Error) -> ToolError {
 }
 
 /// Writes what the demo's station has of its own.
-fn own_config(folder: &Path, job: &Path, clip: &Path) -> std::io::Result<PathBuf> {
-    let text = format!(
+fn own_config(folder: &Path, job: &Path, clip: &Path, has_board: bool) -> std::io::Result<PathBuf> {
+    let [plc, board] = free_ports()?;
+    let mut text = format!(
         "[station]\nname = {STATION:?}\nroot = {folder:?}\njob = {:?}\n[camera]\nsource = \"video\"\npath = {:?}\n\
          [journal]\npath = {:?}\n[plc]\nenable = true\nport = {}\n",
         std::path::absolute(job)?,
         std::path::absolute(clip)?,
         folder.join("journal.sqlite"),
-        free_port()?
+        plc
     );
+    if has_board {
+        text += &format!(
+            "[board]\nenable = true\nbind = \"127.0.0.1\"\nport = {board}\nlogins = {:?}\n[record]\nmode = \"fault\"\npath = {:?}\n",
+            folder.join("logins.toml"),
+            folder.join("recordings")
+        );
+    }
     let path = folder.join("demo.toml");
     std::fs::write(&path, text)?;
     Ok(path)
@@ -166,6 +186,8 @@ struct Line {
     losses: u64,
     /// What all captures used together, one per clip.
     capture: Usage,
+    /// The address of the board, where there is one.
+    board: Option<String>,
 }
 
 /// What came of one clip.
@@ -176,22 +198,25 @@ struct Outcome {
 }
 
 impl Line {
-    fn start(configs: &[PathBuf], job: &Path, clip: &Path) -> Result<Self, ToolError> {
+    fn start(arguments: &Demo, job: &Path, clip: &Path) -> Result<Self, ToolError> {
         let folder = own_folder().map_err(no_files)?;
-        let mut configs = configs.to_vec();
-        configs.push(own_config(folder.path(), job, clip).map_err(no_files)?);
+        let mut configs = configs(&arguments.config);
+        configs.push(own_config(folder.path(), job, clip, arguments.board).map_err(no_files)?);
         let config = Config::load(&configs)?;
         let mut roles = vec![Running::start("steward", &configs, folder.path())?];
         let stop = Stop::on_signals()?;
         let station = Station::under(&config.station.name, &config.root())?;
         let node = Node::open(&station, RoleId::Tool, START, &stop)?;
         let mut channels = Channels::open(&node)?;
-        for (name, _) in ROLES.into_iter().skip(1) {
+        let mut wanted = ROLES.to_vec();
+        wanted.extend(BOARD_ROLES.into_iter().filter(|_| arguments.board));
+        for &(name, _) in &wanted[1..] {
             roles.push(Running::start(name, &configs, folder.path())?);
         }
         // A role that has ended says why; waiting for it would only delay that.
         let mut check = || roles.iter_mut().try_for_each(Running::check);
-        let missing = channels.wait_for(&node, &ROLES.map(|(_, id)| id), START, &mut check)?;
+        let ids: Vec<RoleId> = wanted.iter().map(|(_, id)| *id).collect();
+        let missing = channels.wait_for(&node, &ids, START, &mut check)?;
         if !missing.is_empty() {
             return Err(ToolError::NotUp(missing));
         }
@@ -206,15 +231,17 @@ impl Line {
             began: Instant::now(),
             losses: 0,
             capture: Usage::default(),
+            board: arguments.board.then(|| {
+                let scheme = if config.board.certificate.is_some() { "https" } else { "http" };
+                format!("{scheme}://localhost:{}/", config.board.port)
+            }),
         })
     }
 
     /// Plays one clip to its end; `None` when a stop was asked for.
     fn play(&mut self, clip: &Path, arguments: &Demo, names: &Names) -> Result<Option<Outcome>, ToolError> {
         let began = Instant::now();
-        let mut configs = self.configs.clone();
-        configs.push(self.clip_config(clip, arguments.speed)?);
-        let mut capture = Running::start("capture", &configs, self.folder.path())?;
+        let mut capture = self.start_capture(clip, arguments.speed, false)?;
         let bar = progress(None, clip);
         println!("\n{}", clip.file_name().unwrap_or_default().to_string_lossy());
         let mut received = Received::default();
@@ -247,7 +274,26 @@ impl Line {
         Ok(Some(Outcome { received, took: began.elapsed(), losses }))
     }
 
-    fn clip_config(&self, clip: &Path, speed: Speed) -> Result<PathBuf, ToolError> {
+    /// Plays a clip again and again, until a stop is asked for: a board without a camera says that nobody watches.
+    fn show(&mut self, clip: &Path) -> Result<(), ToolError> {
+        let mut capture = self.start_capture(clip, Speed::File, true)?;
+        // What nobody takes would count as lost.
+        while self.channels.listen(&self.node, &mut Received::default(), Duration::from_millis(500))? {
+            for role in self.roles.iter_mut().chain([&mut capture]) {
+                role.check()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Starts the role that plays a clip, once or in a loop.
+    fn start_capture(&self, clip: &Path, speed: Speed, is_loop: bool) -> Result<Running, ToolError> {
+        let mut configs = self.configs.clone();
+        configs.push(self.clip_config(clip, speed, is_loop)?);
+        Running::start("capture", &configs, self.folder.path())
+    }
+
+    fn clip_config(&self, clip: &Path, speed: Speed, is_loop: bool) -> Result<PathBuf, ToolError> {
         let path = self.folder.path().join("clip.toml");
         let speed = match speed {
             Speed::File => "file",
@@ -256,7 +302,7 @@ impl Line {
         let clip = std::path::absolute(clip).map_err(no_files)?;
         std::fs::write(
             &path,
-            format!("[camera]\nsource = \"video\"\npath = {clip:?}\nspeed = {speed:?}\nloop = false\n"),
+            format!("[camera]\nsource = \"video\"\npath = {clip:?}\nspeed = {speed:?}\nloop = {is_loop}\n"),
         )
         .map_err(no_files)?;
         Ok(path)
