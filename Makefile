@@ -6,7 +6,7 @@ DEBIAN_TEST := chromium ffmpeg mbpoll node-typescript poppler-utils python3-venv
 # From OpenCV 4.7 on the marker detector is in another of its modules.
 OBJDETECT = $(shell pkg-config --atleast-version=4.7 opencv4 && echo --features andond/objdetect)
 
-.PHONY: setup packages test-packages build demo test test-times lint deny bench stations line chaos power-loss deaf soak modbus-fuzz plc-latency degraded-clips sight deletions unseen deb nspawn debian-13
+.PHONY: setup packages test-packages build demo test test-times lint deny bench stations board-load line chaos power-loss deaf soak modbus-fuzz plc-latency degraded-clips sight deletions unseen deb nspawn debian-13
 
 setup: packages
 	python3 daemon/perception/models/provision.py $(RUNTIME)
@@ -65,6 +65,10 @@ chaos: line test-packages
 # Plays the clips at 30 Hz through 4, 6, 8 and 10 stations at once, and says what share of their frames is seen.
 stations: setup line
 	tests/benches/stations.py
+
+# What 20 browsers cost that look at a board over TLS, with the picture, and whether the line misses a frame for them.
+board-load: setup line
+	tests/benches/board.py
 
 # Takes the power from a line 500 times, in the middle of what the journal does to its disk; writes target/power_loss/report.json.
 power-loss: line

@@ -12,54 +12,18 @@ more rounds must decide.
 """
 
 import argparse
-import os
 import random
-import signal
 import sqlite3
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+from playing import RATE_HZ, ROOT, TARGET, frames_ms, percentile, processor_s, running, station
+
 ROLES = ["steward", "record", "capture", "perceive", "encode", "judge", "journal"]
-TICKS = os.sysconf("SC_CLK_TCK")
-RATE_HZ = 30
 # How often the interval draws.
 DRAWS = 2000
-
-
-def station(folder, film, mode):
-    """The configuration of a station that plays a film for ever."""
-    shipped = (ROOT / "config/stations/film.toml").read_text()
-    objects = shipped.split("[[objects]]", 1)[1].split("[plc]", 1)[0]
-    path = folder / "station.toml"
-    path.write_text(f"""[station]
-name = "bench"
-root = "{folder}"
-job = "{ROOT}/config/jobs/polish-and-measure.toml"
-[camera]
-source = "video"
-path = "{film}"
-loop = true
-[perception]
-hands = ["right"]
-models = "{ROOT}/target/runtime"
-[journal]
-path = "{folder}/journal.sqlite"
-[record]
-mode = "{mode}"
-path = "{folder}/recordings"
-[[objects]]{objects}""")
-    return path
-
-
-def processor_s(pid):
-    """The time of the processor that a process has taken, in seconds."""
-    fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
-    return (int(fields[11]) + int(fields[12])) / TICKS
 
 
 def peak_mb(pid):
@@ -79,32 +43,13 @@ def play(programs, film, mode, seconds):
     """A line for some seconds: the latencies of its frames and of its verdicts, and the share of a core and the memory of its recorder."""
     with tempfile.TemporaryDirectory(prefix="andon-", dir="/tmp") as name:
         folder = Path(name)
-        config = station(folder, film, mode)
-        running = {}
-        try:
-            for role in ROLES:
-                log = (folder / f"{role}.log").open("w")
-                # As its unit has it.
-                idle = ["chrt", "--idle", "0"] if role == "record" else []
-                running[role] = subprocess.Popen([*idle, programs / "andond", "run", role, "-c", config], stderr=log)
-                if role == "steward":
-                    time.sleep(1)
-            time.sleep(5)
-            before = processor_s(running["record"].pid)
-            listened = subprocess.run([programs / "latencies", config, str(seconds)], stdout=subprocess.PIPE, text=True, check=True)
-            share = (processor_s(running["record"].pid) - before) / seconds
-            memory = peak_mb(running["record"].pid)
-        finally:
-            for role in [*ROLES[1:], ROLES[0]]:
-                if role in running:
-                    running[role].send_signal(signal.SIGTERM)
-                    running[role].wait(20)
-        return [float(ms) for ms in listened.stdout.split()], verdicts_ms(folder), share, memory
-
-
-def percentile(values, percent):
-    """The value that so many percent are not above."""
-    return sorted(values)[min(len(values) - 1, int(len(values) * percent / 100))]
+        config = station(folder, film, f'[record]\nmode = "{mode}"\npath = "{folder}/recordings"')
+        with running(programs, folder, config, ROLES) as roles:
+            before = processor_s(roles["record"].pid)
+            frames = frames_ms(programs, config, seconds)
+            share = (processor_s(roles["record"].pid) - before) / seconds
+            memory = peak_mb(roles["record"].pid)
+        return frames, verdicts_ms(folder), share, memory
 
 
 def seconds_of(frames):

@@ -6,8 +6,8 @@ use andon_http::{Bytes, Feed};
 
 use crate::address::Address;
 
-/// Browsers that wait at once. Each holds a connection of the server.
-const MOST: usize = 8;
+/// Browsers that wait at once. Each holds a connection of the server, which has 64: for these, for 32 feeds, and for whoever comes.
+const MOST: usize = 24;
 
 /// How long a browser waits. Where no frame comes for so long, there is no picture.
 const PATIENCE_NS: u64 = 2_000_000_000;
