@@ -1,7 +1,7 @@
 //! How long somebody waits after wrong passwords: each doubles the time, for the address that they came from and for the name that they were for.
 //!
-//! Nobody is held: who comes too early is told to come later, and that costs the board nothing. A name waits for a short time at most, so that whoever
-//! knows a name cannot keep its owner out for long.
+//! Nobody is held: who comes too early is told to come later, and that costs the board nothing. A name waits for a short time at most. Many machines
+//! together can keep it waiting all the same, so it does not wait where its login was before: there only what came from that address counts.
 
 use std::net::IpAddr;
 
@@ -17,7 +17,7 @@ const OF_NAME_S: u64 = 5;
 /// What was wrong is forgotten after so long.
 const FORGOTTEN_NS: u64 = 15 * 60 * SECOND_NS;
 
-/// Addresses and names that are kept. The oldest makes way.
+/// Addresses and names that are kept, and couples of both. The oldest makes way.
 const MOST: usize = 1024;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,7 +44,11 @@ impl Failures {
 
 /// All of them.
 #[derive(Debug, Default)]
-pub(super) struct Delays(Vec<Failures>);
+pub(super) struct Delays {
+    failures: Vec<Failures>,
+    /// The address and the name of logins that came in, the newest last. A board that starts again knows none.
+    known: Vec<[Of; 2]>,
+}
 
 fn both(name: &str, peer: IpAddr) -> [Of; 2] {
     // A machine has a whole network of IPv6 addresses.
@@ -58,9 +62,10 @@ fn both(name: &str, peer: IpAddr) -> [Of; 2] {
 impl Delays {
     /// How many seconds this name, or this address, has to wait; `None` where it need not.
     pub(super) fn wait_s(&mut self, name: &str, peer: IpAddr, now_ns: u64) -> Option<u64> {
-        self.0.retain(|failures| now_ns.saturating_sub(failures.last_ns) < FORGOTTEN_NS);
+        self.failures.retain(|failures| now_ns.saturating_sub(failures.last_ns) < FORGOTTEN_NS);
         let of = both(name, peer);
-        let own = self.0.iter().filter(|failures| of.contains(&failures.of));
+        let counts = if self.known.contains(&of) { &of[..1] } else { &of[..] };
+        let own = self.failures.iter().filter(|failures| counts.contains(&failures.of));
         let free_ns = own.map(Failures::free_ns).max()?;
         free_ns.checked_sub(now_ns).filter(|left| *left > 0).map(|left| left.div_ceil(SECOND_NS))
     }
@@ -68,18 +73,19 @@ impl Delays {
     /// A password was wrong.
     pub(super) fn failed(&mut self, name: &str, peer: IpAddr, now_ns: u64) {
         for of in both(name, peer) {
-            match self.0.iter_mut().find(|failures| failures.of == of) {
+            match self.failures.iter_mut().find(|failures| failures.of == of) {
                 Some(failures) => {
                     failures.count = failures.count.saturating_add(1);
                     failures.last_ns = now_ns;
                 }
                 None => {
-                    if self.0.len() >= MOST
-                        && let Some(oldest) = (0..self.0.len()).min_by_key(|place| self.0[*place].last_ns)
+                    if self.failures.len() >= MOST
+                        && let Some(oldest) =
+                            (0..self.failures.len()).min_by_key(|place| self.failures[*place].last_ns)
                     {
-                        self.0.swap_remove(oldest);
+                        self.failures.swap_remove(oldest);
                     }
-                    self.0.push(Failures { of, count: 1, last_ns: now_ns });
+                    self.failures.push(Failures { of, count: 1, last_ns: now_ns });
                 }
             }
         }
@@ -88,7 +94,12 @@ impl Delays {
     /// A password was right.
     pub(super) fn succeeded(&mut self, name: &str, peer: IpAddr) {
         let of = both(name, peer);
-        self.0.retain(|failures| !of.contains(&failures.of));
+        self.failures.retain(|failures| !of.contains(&failures.of));
+        self.known.retain(|known| *known != of);
+        if self.known.len() >= MOST {
+            self.known.remove(0);
+        }
+        self.known.push(of);
     }
 }
 
@@ -126,12 +137,31 @@ mod tests {
     }
 
     #[test]
+    fn many_machines_together_keep_nobody_out_where_their_login_was_before() {
+        let mut delays = Delays::default();
+        delays.succeeded("maria", ONE);
+        for number in 0..100_u32 {
+            delays.failed("maria", IpAddr::from((0x0a01_0000 + number).to_be_bytes()), 0);
+        }
+        assert_eq!(delays.wait_s("maria", ONE, 0), None);
+        assert_eq!(delays.wait_s("maria", OTHER, 0), Some(OF_NAME_S), "it was never there");
+        assert_eq!(delays.wait_s("paul", ONE, 0), None);
+        // What comes from there counts as before.
+        (0..5).for_each(|_| delays.failed("maria", ONE, 0));
+        assert_eq!(delays.wait_s("maria", ONE, 0), Some(4));
+    }
+
+    #[test]
     fn a_machine_with_many_addresses_and_names_takes_no_more_memory() {
         let mut delays = Delays::default();
         for number in 0..5000_u32 {
             delays.failed(&"x".repeat(number as usize), IpAddr::from(number.to_be_bytes()), number.into());
         }
-        assert_eq!(delays.0.len(), MOST);
+        assert_eq!(delays.failures.len(), MOST);
+        for number in 0..5000_u32 {
+            delays.succeeded("maria", IpAddr::from(number.to_be_bytes()));
+        }
+        assert_eq!(delays.known.len(), MOST);
         let [one, other] = [1_u128, 2].map(|low| IpAddr::from(((0xfd00_u128 << 112) | low).to_be_bytes()));
         assert_eq!(both("", one)[0], both("", other)[0], "one network of IPv6 is one address");
     }
