@@ -6,7 +6,7 @@ mod support;
 
 use std::io::Write as _;
 
-use andon_http::{Offer, Response, Server};
+use andon_http::{Offer, Server};
 use support::{ask, connect, remaining, served};
 
 fn bound() -> Server {
@@ -132,25 +132,4 @@ fn a_server_that_takes_no_forms_refuses_them() {
     served(&Server::bind(([127, 0, 0, 1], 0).into()).unwrap(), |server| {
         assert!(ask(server, &post("", "a=b")).starts_with("HTTP/1.1 405 "));
     });
-}
-
-#[test]
-fn an_answer_that_is_given_later_keeps_its_headers_and_holds_up_nobody() {
-    let server = bound();
-    let mut waiting = connect(&server);
-    waiting.write_all(b"GET /later HTTP/1.1\r\nHost: here\r\n\r\n").unwrap();
-    let mut later = None;
-    while later.is_none() {
-        server.serve(|_| {
-            let (response, place) = Response::later();
-            later = Some(place);
-            response.with(&[("x-content-type-options", "nosniff")])
-        });
-        std::thread::sleep(std::time::Duration::from_millis(1));
-    }
-    served(&server, |server| assert!(ask(server, &post("", "a=b")).contains("form a=b,")));
-    later.unwrap().send(Response::see("/there").with_own("set-cookie", "a=1".to_owned()));
-    let answer = remaining(waiting);
-    assert!(answer.starts_with("HTTP/1.1 303 ") && answer.contains("location: /there\r\n"), "{answer}");
-    assert!(answer.contains("set-cookie: a=1\r\n") && answer.contains("nosniff"), "{answer}");
 }
