@@ -2,20 +2,19 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+mod beside;
+
+use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{Ipv4Addr, TcpStream};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{LazyLock, Mutex};
 use std::time::{Duration, Instant};
 
 use andon_board::{Board, Code, Film, Job, Line, Picture, Settings, Step, Thing, Visibility, Wanted, What};
 use andon_http::{Response, Server};
+use beside::{PATIENCE, beside, connect, sent, until};
 use shm_schemas::{
     JudgePhase, Judging, PartId, RoleId, Verdict, VerdictLevel, VerdictOutcome, VerdictReason,
 };
-
-/// Only a failing test waits for so long.
-const PATIENCE: Duration = Duration::from_secs(60);
 
 /// The clock of the boards and of what they are told.
 fn now_ns() -> u64 {
@@ -84,37 +83,12 @@ fn served(test: impl FnOnce(u16, &Mutex<Board>)) {
     let port = server.address().port();
     let board = Mutex::new(Board::new(settings(port)));
     fill(&mut board.lock().unwrap());
-    let is_over = AtomicBool::new(false);
-    std::thread::scope(|scope| {
-        scope.spawn(|| {
-            while !is_over.load(Ordering::Relaxed) {
-                let mut board = board.lock().unwrap();
-                board.publish(now_ns());
-                server.serve(|request| board.answer(request));
-                drop(board);
-                std::thread::sleep(Duration::from_millis(5));
-            }
-        });
-        let tested = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| test(port, &board)));
-        is_over.store(true, Ordering::Relaxed);
-        tested.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-    });
-}
-
-fn connect(port: u16) -> TcpStream {
-    let stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).unwrap();
-    stream.set_read_timeout(Some(PATIENCE)).unwrap();
-    stream
-}
-
-/// Everything that comes until the server closes.
-fn sent(port: u16, request: &[u8]) -> String {
-    let mut stream = connect(port);
-    // The server may close before it has read everything.
-    let _ = stream.write_all(request);
-    let mut answer = Vec::new();
-    let _ = stream.read_to_end(&mut answer);
-    String::from_utf8_lossy(&answer).into_owned()
+    let turn = || {
+        let mut board = board.lock().unwrap();
+        board.publish(now_ns());
+        server.serve(|request| board.answer(request));
+    };
+    beside(turn, || test(port, &board));
 }
 
 fn get(port: u16, target: &str) -> String {
@@ -127,16 +101,6 @@ fn watch(port: u16, query: &str) -> BufReader<TcpStream> {
     let request = format!("GET /events?{query} HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n");
     stream.write_all(request.as_bytes()).unwrap();
     BufReader::new(stream)
-}
-
-/// Reads until a line has this text. The board sends a sign of life again and again, so the time for one line is no limit.
-fn until(browser: &mut BufReader<TcpStream>, text: &str) {
-    let (mut line, deadline) = (String::new(), Instant::now() + PATIENCE);
-    while !line.contains(text) {
-        assert!(Instant::now() < deadline, "waited in vain for {text:?}");
-        line.clear();
-        assert!(browser.read_line(&mut line).unwrap() > 0, "the stream ended before {text:?}");
-    }
 }
 
 #[test]

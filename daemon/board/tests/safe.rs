@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod answer;
+mod beside;
 mod plant;
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
@@ -11,7 +12,8 @@ use std::time::{Duration, Instant};
 
 use andon_board::{Kept, Rank, Was};
 use answer::{cookie, header, status};
-use plant::{PATIENCE, Plant, fault, served, served_at};
+use beside::{PATIENCE, until};
+use plant::{Plant, fault, served, served_at};
 
 const ADDRESSES: [&str; 19] = [
     "/",
@@ -279,16 +281,6 @@ fn a_session_is_a_new_one_after_each_login_and_ends_with_its_logout() {
         let last = plant.session("technician");
         assert!(!plant.get("/technician", &last).contains(last.split_once('=').unwrap().1));
     });
-}
-
-/// Reads a feed until a line has this text.
-fn until(feed: &mut BufReader<TcpStream>, text: &str) {
-    let (mut line, deadline) = (String::new(), Instant::now() + PATIENCE);
-    while !line.contains(text) {
-        assert!(Instant::now() < deadline, "waited in vain for {text:?}");
-        line.clear();
-        assert!(feed.read_line(&mut line).unwrap() > 0, "the stream ended before {text:?}");
-    }
 }
 
 fn watch(plant: &Plant, view: &str, cookie: &str) -> BufReader<TcpStream> {

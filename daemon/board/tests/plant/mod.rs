@@ -2,20 +2,16 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::io::{Read as _, Write as _};
 use std::net::{Ipv4Addr, TcpStream};
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Duration;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use andon_board::{Asked, Board, Logins, NoFilm, Rank, Settings, Wanted};
 use andon_http::{Offer, Response, Server};
 use shm_schemas::{Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
 
 use crate::answer::{cookie, status};
-
-/// Only a failing test waits for so long.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
+use crate::beside::{beside, connect, sent};
 
 const PASSWORD: &str = "correct horse";
 const SECOND_NS: u64 = 1_000_000_000;
@@ -28,7 +24,6 @@ pub(crate) struct Plant {
     pub(crate) logins: Mutex<Logins>,
     pub(crate) asked: Mutex<Vec<Asked>>,
     pub(crate) board: Mutex<Board>,
-    pub(crate) is_over: AtomicBool,
 }
 
 /// Runs a test beside a board that listens on this address; what is tried is over the loopback address all the same.
@@ -44,23 +39,12 @@ pub(crate) fn served_at(bind: Ipv4Addr, test: impl FnOnce(&Plant)) {
         logins: Mutex::default(),
         asked: Mutex::default(),
         board: Mutex::new(board),
-        is_over: AtomicBool::new(false),
     };
     for rank in Rank::ALL {
         plant.logins.lock().unwrap().add(rank.name(), rank, PASSWORD).unwrap();
     }
     plant.tell_logins();
-    std::thread::scope(|scope| {
-        scope.spawn(|| {
-            while !plant.is_over.load(Ordering::Relaxed) {
-                plant.turn(&server);
-                std::thread::sleep(Duration::from_millis(2));
-            }
-        });
-        let tested = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| test(&plant)));
-        plant.is_over.store(true, Ordering::Relaxed);
-        tested.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-    });
+    beside(|| plant.turn(&server), || test(&plant));
 }
 
 /// On a network.
@@ -111,17 +95,11 @@ impl Plant {
     }
 
     pub(crate) fn connect(&self) -> TcpStream {
-        let stream = TcpStream::connect((Ipv4Addr::LOCALHOST, self.port)).unwrap();
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
-        stream
+        connect(self.port)
     }
 
     pub(crate) fn sent(&self, request: &str) -> String {
-        let mut stream = self.connect();
-        let _ = stream.write_all(request.as_bytes());
-        let mut answer = Vec::new();
-        let _ = stream.read_to_end(&mut answer);
-        String::from_utf8_lossy(&answer).into_owned()
+        sent(self.port, request.as_bytes())
     }
 
     /// Gets an address with this cookie.
