@@ -88,7 +88,7 @@ impl Board {
                 Some(jpeg) if self.settings.picture => Response::ok("image/jpeg", jpeg),
                 _ => Response::text(404, "there is no picture of such a step\n"),
             },
-            Place::LogIn => self.login_page(&Address::of_login(&request.query), None, 200),
+            Place::LogIn => self.login_page(&Address::of_login(&request.query), None),
             Place::Kiosk => self.kiosk(request),
             Place::Picture | Place::LogOut | Place::Confirm => {
                 Response::text(404, "the board has no such thing\n")
@@ -103,7 +103,7 @@ impl Board {
                 let address = Address::new(page, &request.query);
                 match visitor.rank {
                     None => Response::see(&address.login()),
-                    Some(_) => self.login_page(&address, Some(("login.more", String::new())), 403),
+                    Some(_) => self.login_page(&address, Some(Refused::More)),
                 }
             }
             // The page that watched is loaded again, and then says what is to be done.
@@ -131,7 +131,7 @@ impl Board {
                 return Response::text(403, FOREIGN);
             }
             if session.rank < rank {
-                return self.login_page(&address, Some(("login.more", String::new())), 403);
+                return self.login_page(&address, Some(Refused::More));
             }
         }
         match place {
@@ -181,8 +181,13 @@ impl Board {
         }
     }
 
-    fn login_page(&self, address: &Address, why: Option<(&str, String)>, status: u16) -> Response {
-        Response::ok(HTML, page::login(self, address, why)).with_status(status)
+    fn login_page(&self, address: &Address, refused: Option<Refused>) -> Response {
+        let response = Response::ok(HTML, page::login(self, address, refused));
+        let response = response.with_status(refused.map_or(200, Refused::status));
+        match refused {
+            Some(Refused::Wait(seconds)) => response.with_own("retry-after", seconds.to_string()),
+            _ => response,
+        }
     }
 
     fn watch(&mut self, query: &str, visitor: &Visitor) -> Response {
@@ -219,10 +224,7 @@ impl Board {
         let (response, later) = Response::later();
         match self.access.log_in(request, form, self.now_ns, later) {
             Ok(()) => response,
-            Err(Refused::Wait(seconds)) => self
-                .login_page(address, Some(("login.wait", seconds.to_string())), 429)
-                .with_own("retry-after", seconds.to_string()),
-            Err(Refused::Busy) => self.login_page(address, Some(("login.busy", String::new())), 503),
+            Err(refused) => self.login_page(address, Some(refused)),
         }
     }
 
@@ -245,8 +247,8 @@ impl Board {
                 let page = if rank >= Place::reader(address.page) { address.page } else { Page::Worker };
                 Response::see(&Address { page, ..address }.link()).with_own("set-cookie", cookie)
             }
-            (Some(_), None) => self.login_page(&address, Some(("login.busy", String::new())), 503),
-            (None, _) => self.login_page(&address, Some(("login.wrong", String::new())), 401),
+            (Some(_), None) => self.login_page(&address, Some(Refused::Busy)),
+            (None, _) => self.login_page(&address, Some(Refused::Wrong)),
         };
         pending.later.send(response);
         Some(tried)

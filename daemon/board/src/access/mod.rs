@@ -92,13 +92,39 @@ pub(crate) struct Pending {
     pub(crate) later: Later,
 }
 
-/// Why nobody looks at a password.
+/// Why somebody is not let in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Refused {
-    /// After wrong ones, for so many seconds.
+    /// The name or the password is wrong.
+    Wrong,
+    /// After wrong ones nobody looks at a password for so many seconds.
     Wait(u64),
-    /// Too many others wait.
+    /// Nobody looks at it, because too many others wait.
     Busy,
+    /// The login is for less.
+    More,
+}
+
+impl Refused {
+    /// The status of the answer.
+    pub(crate) const fn status(self) -> u16 {
+        match self {
+            Self::Wrong => 401,
+            Self::Wait(_) => 429,
+            Self::Busy => 503,
+            Self::More => 403,
+        }
+    }
+
+    /// The key of what is said.
+    pub(crate) const fn key(self) -> &'static str {
+        match self {
+            Self::Wrong => "login.wrong",
+            Self::Wait(_) => "login.wait",
+            Self::Busy => "login.busy",
+            Self::More => "login.more",
+        }
+    }
 }
 
 /// All of it.

@@ -1,20 +1,19 @@
 //! Pages that show nothing of the station: the way in, and what a person must know.
 
+use crate::access::Refused;
 use crate::address::Address;
 use crate::board::Board;
 use crate::html::Html;
 use crate::words::Table;
 
-/// Asks for a name and a password. `why` is the key of what is to be said first, and the value in it.
-pub(crate) fn login(board: &Board, address: &Address, why: Option<(&str, String)>) -> String {
+/// Asks for a name and a password, and says first why somebody was not let in.
+pub(crate) fn login(board: &Board, address: &Address, refused: Option<Refused>) -> String {
     plain(board, address, "", |html, words| {
         html.element("<h1>", words.say("login.title"), "</h1>");
-        if let Some((key, value)) = why {
-            html.element(
-                "<p class=\"now check\" role=\"alert\">",
-                &words.fill(key, &[("n", &value)]),
-                "</p>",
-            );
+        if let Some(refused) = refused {
+            let seconds = if let Refused::Wait(seconds) = refused { seconds } else { 0 };
+            let said = words.fill(refused.key(), &[("n", &seconds.to_string())]);
+            html.element("<p class=\"now check\" role=\"alert\">", &said, "</p>");
         }
         html.raw("<form class=\"login\" method=\"post\" action=\"/login\"><label for=\"name\">");
         html.text(words.say("login.name"));
