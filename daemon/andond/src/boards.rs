@@ -1,6 +1,7 @@
 //! What makes a board safe on a network, as files: the certificate, its key and the logins. The role `board` reads them, and commands make them.
 
 use std::io;
+use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 
 use andon_board::{Logins, LoginsError};
@@ -87,15 +88,53 @@ pub(crate) fn logins(path: &Path) -> Result<Logins, UnsafeBoard> {
     }
 }
 
-/// Whether a board may listen where its configuration says: on a network only where somebody can log in.
+/// What changes with a file that was written anew; `None` of one that is missing.
+type Version = Option<(u64, u64, i64, i64)>;
+
+/// The file of logins, as it was when it was read last.
+pub(crate) struct LoginsFile {
+    path: PathBuf,
+    /// Of what was read; `None` before that.
+    version: Option<Version>,
+    /// The logins in it; none where it cannot be read.
+    pub(crate) logins: Logins,
+}
+
+impl LoginsFile {
+    /// Nobody has read it yet.
+    fn new(path: PathBuf) -> Self {
+        Self { path, version: None, logins: Logins::default() }
+    }
+
+    /// Reads it if it is another one by now. `None` where it is not.
+    pub(crate) fn renew(&mut self) -> Option<Result<(), UnsafeBoard>> {
+        let meta = std::fs::metadata(&self.path).ok();
+        let version = meta.map(|meta| (meta.ino(), meta.len(), meta.mtime(), meta.mtime_nsec()));
+        if self.version.replace(version) == Some(version) {
+            return None;
+        }
+        let (logins, read) = match logins(&self.path) {
+            Ok(logins) => (logins, Ok(())),
+            Err(error) => (Logins::default(), Err(error)),
+        };
+        self.logins = logins;
+        Some(read)
+    }
+}
+
+/// What a board needs to listen where its configuration says: on a network only where somebody can log in. On this machine the logins are not read
+/// yet.
 ///
 /// # Errors
 /// Why it may not.
-pub(crate) fn check(config: &Config) -> Result<Option<Tls>, UnsafeBoard> {
+pub(crate) fn check(config: &Config) -> Result<(Option<Tls>, LoginsFile), UnsafeBoard> {
     let tls = tls(config)?;
-    let path = config.logins_path();
-    if !config.board.bind.is_loopback() && logins(&path)?.is_empty() {
-        return Err(UnsafeBoard::NoLogin(path));
+    let mut file = LoginsFile::new(config.logins_path());
+    if !config.board.bind.is_loopback() {
+        file.renew().transpose()?;
+        if file.logins.is_empty() {
+            return Err(UnsafeBoard::NoLogin(file.path));
+        }
     }
-    Ok(tls)
+    Ok((tls, file))
 }

@@ -2,9 +2,6 @@
 //!
 //! A comparison takes tens of milliseconds and some megabytes on purpose, and a disk may be slow: a thread does it, one after the other.
 
-use std::fs;
-use std::os::unix::fs::MetadataExt as _;
-use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::Builder;
 use std::time::Duration;
@@ -12,7 +9,7 @@ use std::time::Duration;
 use andon_board::{Board, Login, Logins, Try};
 use andon_host::log::{code, log};
 
-use crate::boards;
+use crate::boards::LoginsFile;
 
 /// How often it looks whether the file has changed: somebody whose login was removed is out within this time.
 const LOOK: Duration = Duration::from_secs(1);
@@ -31,9 +28,9 @@ pub(super) struct Door {
 
 impl Door {
     /// Begins to look at the file of logins.
-    pub(super) fn open(path: PathBuf) -> std::io::Result<Self> {
+    pub(super) fn open(file: LoginsFile) -> std::io::Result<Self> {
         let ((tries, tried), (tell, told)) = (channel(), channel());
-        Builder::new().name("door".into()).spawn(move || keep(&path, &tried, &tell))?;
+        Builder::new().name("door".into()).spawn(move || keep(file, &tried, &tell))?;
         Ok(Self { tries, told })
     }
 
@@ -61,37 +58,25 @@ fn tell(board: &mut Board, number: u64, login: Option<Login>) {
     }
 }
 
-/// What changes with a file that was written anew.
-type Version = Option<(u64, u64, i64, i64)>;
-
-fn version(path: &Path) -> Version {
-    let meta = fs::metadata(path).ok()?;
-    Some((meta.ino(), meta.len(), meta.mtime(), meta.mtime_nsec()))
-}
-
-fn keep(path: &Path, tried: &Receiver<Try>, tell: &Sender<Told>) {
-    let mut logins = Logins::default();
-    // None yet, not even that of a file that is missing.
-    let mut known: Option<Version> = None;
+fn keep(mut file: LoginsFile, tried: &Receiver<Try>, tell: &Sender<Told>) {
+    let mut wait = Duration::ZERO;
     loop {
-        let of = match tried.recv_timeout(if known.is_none() { Duration::ZERO } else { LOOK }) {
+        let of = match tried.recv_timeout(wait) {
             Ok(of) => Some(of),
             Err(RecvTimeoutError::Timeout) => None,
             Err(RecvTimeoutError::Disconnected) => return,
         };
-        let now = version(path);
-        if known != Some(now) {
-            known = Some(now);
-            logins = boards::logins(path).unwrap_or_else(|error| {
+        wait = LOOK;
+        if let Some(read) = file.renew() {
+            if let Err(error) = read {
                 log!(code::BOARD_LOGINS_UNREADABLE, "{error}");
-                Logins::default()
-            });
-            if tell.send(Told::Logins(logins.clone())).is_err() {
+            }
+            if tell.send(Told::Logins(file.logins.clone())).is_err() {
                 return;
             }
         }
         if let Some(Try { number, name, password }) = of
-            && tell.send(Told::Compared(number, logins.find(&name, &password))).is_err()
+            && tell.send(Told::Compared(number, file.logins.find(&name, &password))).is_err()
         {
             return;
         }

@@ -131,16 +131,19 @@ impl<'c> Pages<'c> {
         let began = Instant::now();
         let settings = settings(config)?;
         let address = SocketAddr::new(config.board.bind, config.board.port);
-        let offer = Offer { tls: boards::check(config)?, takes_forms: true };
+        let (tls, logins) = boards::check(config)?;
+        let offer = Offer { tls, takes_forms: true };
         let scheme = if offer.tls.is_some() { "https" } else { "http" };
         let failed = |source| RoleError::Board { address, source };
         let server = Server::bind_with(address, offer).map_err(failed)?;
-        let door = Door::open(config.logins_path()).map_err(failed)?;
+        let mut board = Board::new(settings);
+        board.logins(logins.logins.clone());
+        let door = Door::open(logins).map_err(failed)?;
         let node = cycle.node();
         let role = Self {
             config,
             server,
-            board: Board::new(settings),
+            board,
             verdicts: node.reader()?,
             judging: node.reader()?,
             health: node.reader()?,
