@@ -45,8 +45,8 @@ enum Stage {
 /// What the journal has of a verdict.
 enum Found {
     Nothing,
-    /// What is to be said of it.
-    Row(Confirmed),
+    /// What is to be said of it, and the journal to see it in.
+    Row(Confirmed, History),
     /// The same was said last.
     Said,
 }
@@ -107,12 +107,12 @@ impl Confirmer {
         found: Option<Found>,
     ) -> Result<(), RoleError> {
         match found {
-            Some(Found::Row(confirmed)) => {
+            Some(Found::Row(confirmed, history)) => {
                 let since_utc_ns = UtcTime::now().nanoseconds();
                 let who = format!("login {}", asked.login);
                 self.auditor.record(cycle, AuditKind::Confirmation, &who, &confirmed.text())?;
                 let path = self.path.clone();
-                let keep = move || is_kept(&path, since_utc_ns, &who, confirmed);
+                let keep = move || is_kept(history, &path, since_utc_ns, &who, confirmed);
                 match Builder::new().name("keep".into()).spawn(keep) {
                     Ok(keeping) => self.open.push((asked, Stage::Keep(keeping))),
                     Err(_) => board.answer_asked(asked, Kept::Unkept),
@@ -133,20 +133,22 @@ fn find(path: &Path, verdict: MessageId, was: Was) -> Result<Found, JournalError
     let last = said.get(&verdict).map(|(confirmed, _)| confirmed.was);
     Ok(match last {
         Some(last) if last == was => Found::Said,
-        _ => Found::Row(Confirmed { row, id: verdict, was }),
+        _ => Found::Row(Confirmed { row, id: verdict, was }, history),
     })
 }
 
 /// Waits until the journal has it on disk.
-fn is_kept(path: &Path, since_utc_ns: u64, who: &str, confirmed: Confirmed) -> bool {
-    let began = Instant::now();
+fn is_kept(history: History, path: &Path, since_utc_ns: u64, who: &str, confirmed: Confirmed) -> bool {
+    let (began, mut history) = (Instant::now(), Some(history));
     while began.elapsed() < PATIENCE {
-        // While the log is being made it cannot be read.
-        let said =
-            History::open_read_only(path).and_then(|history| confirmed::since(&history, Some(since_utc_ns)));
-        let last = said.ok().and_then(|mut said| said.remove(&confirmed.id));
-        if last.is_some_and(|(known, by)| known == confirmed && by == who) {
-            return true;
+        match history.as_ref().map(|history| confirmed::since(history, Some(since_utc_ns))) {
+            Some(Ok(mut said)) => {
+                if said.remove(&confirmed.id).is_some_and(|(known, by)| known == confirmed && by == who) {
+                    return true;
+                }
+            }
+            // A journal that has begun again has another log.
+            _ => history = History::open_read_only(path).ok(),
         }
         sleep(LOOK);
     }
