@@ -46,9 +46,17 @@ class Browser:
         self.messages, self.pictures, self.bytes = 0, 0, 0
         self.tls = context()
         looks = [self.watch] + ([self.see] if page == "technician" else [])
-        self.threads = [threading.Thread(target=look, daemon=True) for look in looks]
+        self.threads = [threading.Thread(target=self.until_over, args=[look], daemon=True) for look in looks]
         for thread in self.threads:
             thread.start()
+
+    def until_over(self, look):
+        try:
+            look()
+        except (http.client.HTTPException, OSError):
+            # The board goes with its line.
+            if not self.is_over.is_set():
+                raise
 
     def get(self, target):
         client = http.client.HTTPSConnection("localhost", PORT, timeout=20, context=self.tls)

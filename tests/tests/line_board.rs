@@ -344,7 +344,7 @@ fn is_at(frame: &str) -> String {
 
 #[test]
 fn an_event_leads_to_its_film_which_steps_and_plays_and_keeps_its_place_until_its_recording_is_removed() {
-    let (line, port) = recorded();
+    let (mut line, port) = recorded();
     let board = format!("http://localhost:{port}");
     let mut browser = Browser::start();
     let tab = browser.open(&format!("{board}/technician?fault=fault.Strokes.below"), FULL_HD);
@@ -387,6 +387,13 @@ fn an_event_leads_to_its_film_which_steps_and_plays_and_keeps_its_place_until_it
             is_at(&(first - 2).to_string())
         ),
     );
+    // A board that starts again has it from the journal and the recordings.
+    line.role("board").kill();
+    browser.until(&tab, IS_LOST);
+    line.start("board");
+    browser.until(&tab, IS_HEARD);
+    browser.value(&tab, "window.isOld = true; setTimeout(() => location.reload()); true");
+    browser.until(&tab, &format!("!window.isOld && {IS_AT_EVENT} && {}", is_at(&(first - 2).to_string())));
     // It plays, stops where somebody stops it, and goes on to its end.
     browser.value(&tab, "document.getElementById('play').click()");
     browser.until(&tab, &format!("Number(slide.value) > {}", first + 5));
