@@ -57,6 +57,7 @@ fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
         Command::Tracks(arguments) => tool::tracks::run(&arguments)?.into(),
         Command::Jobs(arguments) => tool::jobs::run(&arguments)?.into(),
         Command::Use(arguments) => tool::use_job::run(&arguments)?.into(),
+        Command::Name(arguments) => tool::name::run(&arguments)?.into(),
         Command::Check(arguments) => tool::check::run(&arguments)?.into(),
         Command::Config(arguments) => tool::config::run(&arguments)?.into(),
         Command::Tail(arguments) => tool::tail::run(&arguments)?.into(),

@@ -119,6 +119,10 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         ],
     ),
     (
+        "name",
+        &[("what people read of its two steps", "andond name polish \"Polish the brick\" \"Measure it\"")],
+    ),
+    (
         "run",
         &[(
             "one role, as its unit runs it",

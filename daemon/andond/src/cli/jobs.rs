@@ -221,6 +221,20 @@ pub struct Use {
     pub job: String,
 }
 
+/// `andond name`
+#[derive(Debug, Args)]
+pub struct Name {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// The job: its name, its number or its file, as `andond jobs` lists them
+    #[arg(value_name = "NAME|NUMBER|FILE")]
+    pub job: String,
+    /// A name for each step, in the order of the steps
+    #[arg(required = true, value_name = "STEP")]
+    pub steps: Vec<String>,
+}
+
 /// `andond whatif`
 #[derive(Debug, Args)]
 pub struct Whatif {

@@ -19,7 +19,9 @@ pub use help::command;
 pub(crate) use help::{examples, exit_codes, exit_table};
 
 pub use bench::{Calibrate, Hands, Look, Markers, New, Paper, Record, Tracks};
-pub use jobs::{Analyze, Cost, Experiment, Jobs, Names, Replay, Segment, Teach, ThresholdRule, Use, Whatif};
+pub use jobs::{
+    Analyze, Cost, Experiment, Jobs, Name, Names, Replay, Segment, Teach, ThresholdRule, Use, Whatif,
+};
 pub use station::{
     Backup, Check, Clip, ConfigCommand, Confirm, Demo, Explain, Forget, History, Idle, Level, Part, Restore,
     Speed, Status, Tail, Was,
@@ -61,6 +63,8 @@ pub enum Command {
     Jobs(Jobs),
     /// Load a job into a running station
     Use(Use),
+    /// Name the steps of a job: what people read of them
+    Name(Name),
     /// Run one role of a station in this process
     Run(Run),
     /// Read the configuration and report every fault in it

@@ -67,6 +67,18 @@ pub(super) fn meant(wanted: &str, config: &Config) -> Result<Vec<FoundJob>, Tool
     })
 }
 
+/// The one job that somebody means.
+///
+/// # Errors
+/// That there is none, or that there are several.
+pub(super) fn one(wanted: &str, config: &Config) -> Result<FoundJob, ToolError> {
+    let mut meant = meant(wanted, config)?;
+    match meant.len() {
+        1 => Ok(meant.remove(0)),
+        _ => Err(several(wanted, &meant)),
+    }
+}
+
 /// That a name stands for several jobs.
 pub(super) fn several(wanted: &str, jobs: &[FoundJob]) -> ToolError {
     let files = jobs.iter().map(|job| job.path.display().to_string()).collect();

@@ -23,6 +23,7 @@ mod known_jobs;
 mod labelled;
 pub mod look;
 pub mod markers;
+pub mod name;
 pub mod new;
 pub mod pages;
 pub mod part;

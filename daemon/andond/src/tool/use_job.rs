@@ -1,10 +1,8 @@
 //! `andond use`: loads a job into a running station. The judge does it, or says why not.
 
-use andon_host::config::Config;
 use andon_host::exit::Code;
 use shm_schemas::{CommandKind, Refusal};
 
-use super::jobs::FoundJob;
 use super::join::join;
 use super::tell::tell;
 use super::{ToolError, job, running_config};
@@ -17,7 +15,7 @@ use crate::compatibility;
 /// A job that is not there or does not fit, a station that cannot be joined, and a judge that does not answer.
 pub fn run(arguments: &Use) -> Result<Code, ToolError> {
     let config = running_config(&arguments.config)?.config;
-    let job = find(&arguments.job, &config)?;
+    let job = job::one(&arguments.job, &config)?;
     compatibility::station(&job.file, &config)
         .map_err(|misfit| ToolError::Misfit { path: job.path.clone(), misfit })?;
     let node = join(&config)?;
@@ -51,14 +49,5 @@ fn remedy(refusal: Refusal) -> &'static str {
         Refusal::JobOfPlc => " Let it load this one.",
         Refusal::Ambiguous => " `andond jobs` lists them.",
         _ => "",
-    }
-}
-
-/// The one job that was meant.
-fn find(wanted: &str, config: &Config) -> Result<FoundJob, ToolError> {
-    let mut meant = job::meant(wanted, config)?;
-    match meant.len() {
-        1 => Ok(meant.remove(0)),
-        _ => Err(job::several(wanted, &meant)),
     }
 }
