@@ -3,6 +3,7 @@
 use crate::code::codes;
 use crate::layout::wire;
 use crate::stamp::{Stamp, message};
+use crate::text::{read_text, write_text};
 
 codes! {
     /// What kind of thing was done.
@@ -25,6 +26,8 @@ codes! {
         Confirmation = 8 as "confirmation",
         /// A login of the board was made, changed or removed.
         Login = 9 as "login",
+        /// Somebody has let a command of `andond` run by a page of the board.
+        Task = 10 as "task",
     }
 }
 
@@ -64,35 +67,5 @@ impl Audit {
     pub fn say(&mut self, who: &str, what: &str) {
         write_text(who, self.who.as_flattened_mut());
         write_text(what, self.what.as_flattened_mut());
-    }
-}
-
-/// Writes as much of a text as fits, and never half a character.
-fn write_text(text: &str, to: &mut [u8]) {
-    let end = text.char_indices().map(|(at, c)| at + c.len_utf8()).take_while(|end| *end <= to.len()).last();
-    to.fill(0);
-    let bytes = text.as_bytes().get(..end.unwrap_or(0)).unwrap_or_default();
-    for (to, from) in to.iter_mut().zip(bytes) {
-        *to = *from;
-    }
-}
-
-/// The text up to its zeros; empty where it is not UTF-8.
-fn read_text(from: &[u8]) -> &str {
-    let text = from.split(|&byte| byte == 0).next().unwrap_or_default();
-    core::str::from_utf8(text).unwrap_or_default()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_text_that_is_too_long_ends_at_a_whole_character() {
-        let mut bytes = [7; 4];
-        write_text("aüß", &mut bytes);
-        assert_eq!(read_text(&bytes), "aü");
-        write_text("", &mut bytes);
-        assert_eq!(read_text(&bytes), "");
     }
 }

@@ -29,13 +29,24 @@ codes! {
         Record = 10 as "record",
         /// From everything to pages for people.
         Board = 11 as "board",
+        /// From what an engineer orders on the board to commands of `andond`.
+        Executor = 12 as "executor",
     }
 }
 
 impl RoleId {
     /// Whether it is no part of the way from a picture to its verdict, so that the line watches without it.
     pub const fn is_beside(self) -> bool {
-        matches!(self, Self::Steward | Self::Journal | Self::Plc | Self::Metrics | Self::Record | Self::Board)
+        matches!(
+            self,
+            Self::Steward
+                | Self::Journal
+                | Self::Plc
+                | Self::Metrics
+                | Self::Record
+                | Self::Board
+                | Self::Executor
+        )
     }
 }
 

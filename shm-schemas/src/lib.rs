@@ -13,6 +13,8 @@
 //! | `command` | [`Command`] |
 //! | `judging` | [`Judging`] |
 //! | `audit` | [`Audit`] |
+//! | `task` | [`Task`] |
+//! | `printed` | [`Printed`] |
 //!
 //! Every message begins with a [`Stamp`]. Every type has a [`Layout`]: a hash of the names, types and offsets of its fields.
 //! It is an attribute of the service, so that two builds which disagree never exchange messages.
@@ -38,6 +40,8 @@ mod layout;
 mod measured;
 mod part;
 mod stamp;
+mod task;
+mod text;
 mod verdict;
 
 pub use account::{Account, AccountKept, AccountUpdate, CONSUMERS, Journalled, WAITING_RESULTS};
@@ -54,6 +58,7 @@ pub use layout::{Layout, bytes_of, from_bytes};
 pub use measured::{MeasuredWords, decimals};
 pub use part::{BadPart, PART_BYTES, PartId};
 pub use stamp::{Message, MessageId, Stamp};
+pub use task::{Printed, PrintedState, Showing, TASK_NAME_BYTES, TASK_TEXT_BYTES, Task, TaskKind, task_flag};
 pub use verdict::{
     HandCode, NO_INDEX, NO_PERCENT, OrderFault, STATION_BYTES, Verdict, VerdictLevel, VerdictMeasure,
     VerdictNote, VerdictOutcome, VerdictReason, verdict_kind,

@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 STATION = "film"
-ROLES = ["steward", "capture", "perceive", "encode", "judge", "journal", "plc", "metrics", "record", "board"]
+ROLES = ["steward", "capture", "perceive", "encode", "judge", "journal", "plc", "metrics", "record", "board", "executor"]
 CONFIG = ["-c", "/etc/andon/andon.toml", "-c", f"/etc/andon/stations/{STATION}.toml"]
 TARGET = f"andon@{STATION}.target"
 # Greatest exposure of a unit, on systemd's scale from 0 (safe) to 10.

@@ -10,8 +10,8 @@ use andon_ipc::{ChannelMessage, Node, Reader, Writer};
 use ipc_support::{Bench, PATIENCE, SMALL};
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use shm_schemas::{
-    AccountKept, AccountUpdate, Audit, Command, Couples, Detections, Health, Journalled, Judging, RoleId,
-    Verdict,
+    AccountKept, AccountUpdate, Audit, Command, Couples, Detections, Health, Journalled, Judging, Printed,
+    RoleId, Task, Verdict,
 };
 use std::fs::File;
 use std::os::fd::AsRawFd;
@@ -115,4 +115,6 @@ fn a_connection_that_could_not_be_made_is_made_again_on_every_channel_from_both_
     hears_again::<Command>(&bench);
     hears_again::<Judging>(&bench);
     hears_again::<Audit>(&bench);
+    hears_again::<Task>(&bench);
+    hears_again::<Printed>(&bench);
 }

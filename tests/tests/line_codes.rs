@@ -39,6 +39,8 @@ fn a_station_without_a_job_a_plc_and_metrics_says_so() {
     line.wait_for_log("metrics", "AND-618", "");
     line.start("board");
     line.wait_for_log("board", "AND-621", "");
+    line.start("executor");
+    line.wait_for_log("executor", "AND-628", "");
 }
 
 #[test]

@@ -16,6 +16,7 @@ pub mod compatibility;
 mod confirmed;
 pub mod encoding;
 mod identity;
+mod made;
 mod made_with;
 pub mod metric;
 mod outage;

@@ -131,6 +131,8 @@ pub enum Role {
     Record,
     /// Shows the station to people: to the worker, and to the technician
     Board,
+    /// Runs the commands that an engineer orders on the board
+    Executor,
 }
 
 impl From<Role> for RoleId {
@@ -146,6 +148,7 @@ impl From<Role> for RoleId {
             Role::Metrics => Self::Metrics,
             Role::Record => Self::Record,
             Role::Board => Self::Board,
+            Role::Executor => Self::Executor,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use shm_schemas::{
     AccountKept, AccountUpdate, Audit, Command, Couples, Detections, FrameHeader, Health, Journalled,
-    Judging, Layout, Message, Verdict,
+    Judging, Layout, Message, Printed, Task, Verdict,
 };
 use std::fmt;
 
@@ -31,11 +31,15 @@ pub enum Channel {
     Judging,
     /// From the roles to journal: who has changed what.
     Audit,
+    /// From board to executor: which command of `andond` is to run.
+    Task,
+    /// From executor to board: what it prints.
+    Printed,
 }
 
 impl Channel {
     /// Every channel.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Frame,
         Self::Detections,
         Self::Couple,
@@ -47,6 +51,8 @@ impl Channel {
         Self::Command,
         Self::Judging,
         Self::Audit,
+        Self::Task,
+        Self::Printed,
     ];
 
     /// The name in service names and logs.
@@ -63,6 +69,8 @@ impl Channel {
             Self::Command => "command",
             Self::Judging => "judging",
             Self::Audit => "audit",
+            Self::Task => "task",
+            Self::Printed => "printed",
         }
     }
 
@@ -80,6 +88,8 @@ impl Channel {
             Self::Command => Command::HASH,
             Self::Judging => Judging::HASH,
             Self::Audit => Audit::HASH,
+            Self::Task => Task::HASH,
+            Self::Printed => Printed::HASH,
         }
     }
 
@@ -116,7 +126,7 @@ impl Channel {
             Self::Journalled => {
                 Qos { buffer: 128, history: 0, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 31 }
             }
-            // Only the newest counts. 4 per writer, so that a reader that looks once per second misses none at 2 Hz. 16 writers: 10 roles, and those
+            // Only the newest counts. 4 per writer, so that a reader that looks once per second misses none at 2 Hz. 16 writers: 11 roles, and those
             // that are dead and not yet removed. 16 readers: plc, journal, programs in C, and each `andond status` that was left stopped in a
             // terminal.
             Self::Health => {
@@ -136,6 +146,16 @@ impl Channel {
             // not yet removed. So a judge that starts again waits for nobody.
             Self::Command => {
                 Qos { buffer: 16, history: 0, borrowed: 2, readers: 4, writers: 4, loans: 2, burst: 7 }
+            }
+            // No history: an executor that starts must not do what was asked of the one before it. 4 readers: executor, record, and those that are
+            // dead and not yet removed.
+            Self::Task => {
+                Qos { buffer: 16, history: 0, borrowed: 2, readers: 4, writers: 4, loans: 2, burst: 7 }
+            }
+            // A page shows the last lines of a task, also that of a board that starts later. 4 readers: board, record, and those that are dead and not
+            // yet removed.
+            Self::Printed => {
+                Qos { buffer: 256, history: 128, borrowed: 2, readers: 4, writers: 1, loans: 2, burst: 127 }
             }
         }
     }
@@ -212,6 +232,12 @@ impl ChannelMessage for Command {
 impl ChannelMessage for Audit {
     const CHANNEL: Channel = Channel::Audit;
 }
+impl ChannelMessage for Task {
+    const CHANNEL: Channel = Channel::Task;
+}
+impl ChannelMessage for Printed {
+    const CHANNEL: Channel = Channel::Printed;
+}
 
 /// Bytes of one message of a channel; for frames the maximum.
 pub(crate) fn message_bytes(channel: Channel, frame_bytes: usize) -> usize {
@@ -227,6 +253,8 @@ pub(crate) fn message_bytes(channel: Channel, frame_bytes: usize) -> usize {
         Channel::Command => size_of::<Command>(),
         Channel::Judging => size_of::<Judging>(),
         Channel::Audit => size_of::<Audit>(),
+        Channel::Task => size_of::<Task>(),
+        Channel::Printed => size_of::<Printed>(),
     }
 }
 

@@ -9,7 +9,7 @@ use iceoryx2::node::Node as IceNode;
 use iceoryx2::prelude::*;
 use shm_schemas::{
     AccountKept, AccountUpdate, Audit, Command, Couples, Detections, FrameHeader, Health, Journalled,
-    Judging, Layout, Verdict,
+    Judging, Layout, Printed, Task, Verdict,
 };
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -75,6 +75,8 @@ struct AllServices {
     _command: Services<Messages<Command>>,
     _judging: Services<Messages<Judging>>,
     _audit: Services<Messages<Audit>>,
+    _task: Services<Messages<Task>>,
+    _printed: Services<Messages<Printed>>,
 }
 
 impl Steward {
@@ -108,6 +110,8 @@ impl Steward {
             _command: create_messages(&node, station, limits)?,
             _judging: create_messages(&node, station, limits)?,
             _audit: create_messages(&node, station, limits)?,
+            _task: create_messages(&node, station, limits)?,
+            _printed: create_messages(&node, station, limits)?,
         };
         station.reserve()?;
         Ok(Self {

@@ -17,7 +17,7 @@ use prost::Message as _;
 use serde::{Deserialize, Serialize};
 use shm_schemas::{
     AccountKept, AccountUpdate, Audit, Command, Couples, Detections, Health, Journalled, JudgePhase, Judging,
-    Stamp, Verdict, VerdictMeasure, VerdictOutcome, bytes_of, flag,
+    Printed, Stamp, Task, Verdict, VerdictMeasure, VerdictOutcome, bytes_of, flag,
 };
 
 use crate::disk::Disk;
@@ -125,6 +125,8 @@ struct Recording<N> {
     commands: Tap<Command>,
     judging: Tap<Judging>,
     audits: Tap<Audit>,
+    tasks: Tap<Task>,
+    printed: Tap<Printed>,
     pictures: PictureMaker,
     /// The newest frame, until `perceive` has looked at it: to encode it meanwhile would make verdicts later on a machine that has few processors.
     waiting: Option<FrameSample>,
@@ -171,6 +173,8 @@ pub fn run<N: Narrator>(
         commands: Tap::new(node)?,
         judging: Tap::new(node)?,
         audits: Tap::new(node)?,
+        tasks: Tap::new(node)?,
+        printed: Tap::new(node)?,
         pictures: PictureMaker::new(&record),
         waiting: None,
         recorder,
@@ -224,6 +228,8 @@ impl<N: Narrator> Role for Recording<N> {
             &mut self.accounts.reader,
             &mut self.kept.reader,
             &mut self.audits.reader,
+            &mut self.tasks.reader,
+            &mut self.printed.reader,
             &mut self.health.reader,
         ]
     }
@@ -253,6 +259,8 @@ impl<N: Narrator> Role for Recording<N> {
         drain!(self, accounts);
         drain!(self, kept);
         drain!(self, audits);
+        drain!(self, tasks);
+        drain!(self, printed);
         drain!(self, health);
         // First, because what ends now must say what is missing in it.
         self.say_slowness();

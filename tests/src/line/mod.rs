@@ -339,6 +339,17 @@ fn configuration(settings: Settings, root: &Path, port: u16, header: &Header) ->
     text
 }
 
+/// Writes recordings of correct runs of some people.
+pub fn save_runs(folder: &Path) -> Vec<PathBuf> {
+    let people = [(1, 1), (2, 1), (3, 1), (4, 1), (9, 2), (9, 3)];
+    let save_run = |(person, repetition)| {
+        let path = folder.join(format!("p{person}_r{repetition}.tracks.jsonl"));
+        save(&path, &perform(&performance(person, repetition), Flaw::None).0);
+        path
+    };
+    people.map(save_run).into()
+}
+
 /// The job, taught by `andond teach`: once per process, because it is the same for every line.
 fn job(config: &Path) -> &'static [u8] {
     static JOB: OnceLock<Vec<u8>> = OnceLock::new();
@@ -346,11 +357,7 @@ fn job(config: &Path) -> &'static [u8] {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("job.toml");
         let mut arguments = vec!["--out".to_owned(), out.to_str().unwrap().to_owned()];
-        for (person, repetition) in [(1, 1), (2, 1), (3, 1), (4, 1), (9, 2), (9, 3)] {
-            let path = folder.path().join(format!("p{person}_r{repetition}.tracks.jsonl"));
-            save(&path, &perform(&performance(person, repetition), Flaw::None).0);
-            arguments.push(path.to_str().unwrap().to_owned());
-        }
+        arguments.extend(save_runs(folder.path()).iter().map(|path| path.to_str().unwrap().to_owned()));
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
         let output = process::run("teach", config, &arguments);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -8,6 +8,7 @@ mod disabled;
 mod duplicates;
 mod encode;
 mod error;
+mod executor;
 mod jobs;
 mod journal;
 mod judge;
@@ -49,5 +50,6 @@ pub fn run(role: cli::Role, taken: &Taken) -> Code {
         cli::Role::Metrics => run_with(config, RoleId::Metrics, |node| metrics::run(node, config)),
         cli::Role::Record => run_with(config, RoleId::Record, |node| record::run(node, config)),
         cli::Role::Board => run_with(config, RoleId::Board, |node| board::run(node, config)),
+        cli::Role::Executor => run_with(config, RoleId::Executor, |node| executor::run(node, config)),
     }
 }

@@ -41,6 +41,7 @@ pub(super) fn check(
     checks.plc(config);
     checks.ports(config);
     checks.board(config);
+    checks.executor(config);
     checks.record(config);
     checks.faults
 }
@@ -301,6 +302,13 @@ impl Checks<'_> {
             && let Some(words) = &config.board.words
         {
             self.exists("board.words", words, true);
+        }
+    }
+
+    fn executor(&mut self, config: &Config) {
+        if config.executor.enable && !config.board.enable {
+            let problem = "needs board.enable = true: orders come from its pages".into();
+            self.fault("executor.enable", &["board.enable"], problem);
         }
     }
 

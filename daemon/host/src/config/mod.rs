@@ -30,6 +30,7 @@ pub use reference::reference;
 pub use sections::bench::{Bench, Object};
 pub use sections::board::Board;
 pub use sections::camera::{Camera, Encoding, Source, Speed};
+pub use sections::executor::Executor;
 pub use sections::perception::{HandModel, Perception};
 pub use sections::record::{Mode as RecordMode, Record, Trigger};
 pub use sections::service::{Health, Journal, Log, Metrics, Plc};
@@ -73,6 +74,8 @@ pub struct Config {
     pub record: Record,
     /// The pages for people.
     pub board: Board,
+    /// What an engineer may order there.
+    pub executor: Executor,
     /// When a role counts as stuck.
     pub health: Health,
     /// How much is logged.
@@ -161,6 +164,7 @@ impl Config {
         k.section("metrics", "numbers for a monitoring system.", |k| self.metrics.keys(k));
         k.section("record", "what is kept to be looked at again.", |k| self.record.keys(k));
         k.section("board", "pages for the worker and for the technician.", |k| self.board.keys(k));
+        k.section("executor", "what an engineer may order on the board.", |k| self.executor.keys(k));
         k.section("health", "when a role counts as stuck.", |k| self.health.keys(k));
         k.section("log", "how much is logged.", |k| self.log.keys(k));
     }
@@ -200,6 +204,19 @@ impl Config {
         self.board.logins.clone().unwrap_or_else(default)
     }
 
+    /// The folder of what is made for an engineer: reports, markers, pictures, earlier versions of jobs.
+    #[must_use]
+    pub fn executor_path(&self) -> PathBuf {
+        let default = || Path::new(STATE).join(format!("{}.executor", self.station.name));
+        self.executor.path.clone().unwrap_or_else(default)
+    }
+
+    /// The folder of the recordings that an engineer can teach from.
+    #[must_use]
+    pub fn films(&self) -> PathBuf {
+        self.executor.films.clone().unwrap_or_else(|| self.executor_path().join("films"))
+    }
+
     /// The roles that this station needs: the steward, then the others in the order of the data path.
     #[must_use]
     pub fn roles(&self) -> Vec<RoleId> {
@@ -210,6 +227,7 @@ impl Config {
             RoleId::Metrics => self.metrics.enable,
             RoleId::Record => self.record.mode != RecordMode::Off,
             RoleId::Board => self.board.enable,
+            RoleId::Executor => self.executor.enable,
             _ => true,
         };
         let roles = [
@@ -223,6 +241,7 @@ impl Config {
             RoleId::Metrics,
             RoleId::Record,
             RoleId::Board,
+            RoleId::Executor,
         ];
         roles.into_iter().filter(is_needed).collect()
     }

@@ -213,6 +213,14 @@ table! {
         "If nobody has mistyped, look for who does this at the address that is named; `andond board remove` removes a login";
     WARN 627 BOARD_LOGINS_UNREADABLE: "the file of logins cannot be read, so nobody can log in to the board",
         "Correct what is named: the user of the station's units must be able to read it";
+    INFO 628 EXECUTOR_OFF: "the configuration lets nobody order commands on the board", "";
+    INFO 629 EXECUTOR_READY: "what an engineer orders on the board is done", "";
+    WARN 630 EXECUTOR_CANNOT_WRITE: "a folder in which an engineer's commands write cannot be written",
+        "Set station.jobs and executor.path to folders below /var/lib/andon, where the user of the station's units may write";
+    INFO 631 TASK_BEGUN: "a command that was ordered on the board has begun", "";
+    INFO 632 TASK_ENDED: "a command that was ordered on the board has ended", "";
+    WARN 633 TASK_REFUSED: "a command that was ordered on the board was not begun",
+        "The message says why; the board shows the same";
 
     WARN 701 CLOCK_STEPPED: "the machine's clock was stepped: verdicts keep their order, and their UTC times jump",
         "Let one time service set the clock, slowly";

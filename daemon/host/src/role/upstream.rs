@@ -36,9 +36,12 @@ impl Upstream {
             RoleId::Journal => RoleId::Judge,
             RoleId::Plc => RoleId::Journal,
             RoleId::Record => RoleId::Perceive,
-            RoleId::Steward | RoleId::Capture | RoleId::Metrics | RoleId::Board | RoleId::Tool => {
-                return Ok(None);
-            }
+            RoleId::Steward
+            | RoleId::Capture
+            | RoleId::Metrics
+            | RoleId::Board
+            | RoleId::Executor
+            | RoleId::Tool => return Ok(None),
         };
         Ok(Some(Self { role, health: node.reader()?, looked: Instant::now(), sent: Sent::default() }))
     }

@@ -13,6 +13,7 @@ use andon_host::atomic::folder_of;
 use andon_host::config::Config;
 use andon_learn::run::Run;
 use andon_learn::run_summary::RunSummary;
+use shm_schemas::Showing as Shown;
 use tempfile::NamedTempFile;
 
 use super::bench::{Bench, Event};
@@ -23,6 +24,9 @@ use crate::tool::{ToolError, cannot_write};
 
 /// What can be answered when a run was shown.
 const QUESTION: &str = "  Enter keeps it; d drops it; t keeps it and teaches now; q gives up";
+
+/// What is asked for before each run.
+const ASKED: &str = "show the whole job once; press Enter when the bench is as at the start";
 
 /// Lets the job be shown. Returns the track files of the runs that were kept; `None` where nothing is to be taught.
 ///
@@ -53,6 +57,15 @@ fn say(line: &str) {
     eprintln!("{line}");
 }
 
+/// How far the showing is after this line of it, for a program that answers in the place of a person.
+pub(crate) fn showing_after(line: &str, before: Option<Shown>) -> Option<Shown> {
+    match line {
+        QUESTION => Some(Shown::Keep),
+        line if line.starts_with("run ") && line.ends_with(ASKED) => Some(Shown::Run),
+        _ => before,
+    }
+}
+
 /// How the showing ends.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum End {
@@ -79,9 +92,7 @@ impl Showing<'_> {
         while self.kept.len() < usize::from(count) {
             let number = self.kept.len() + 1;
             bench.forget()?;
-            say(&format!(
-                "run {number} of {count}: show the whole job once; press Enter when the bench is as at the start"
-            ));
+            say(&format!("run {number} of {count}: {ASKED}"));
             if let Next::End(end) = self.one_run(bench, number)? {
                 return Ok(end);
             }

@@ -10,6 +10,7 @@ mod number;
 mod pictures;
 mod sources;
 
+pub(crate) use live::showing_after;
 pub use sources::SourceError;
 
 use std::io::ErrorKind;

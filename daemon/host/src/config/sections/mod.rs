@@ -3,6 +3,7 @@
 pub(super) mod bench;
 pub(super) mod board;
 pub(super) mod camera;
+pub(super) mod executor;
 pub(super) mod method;
 pub(super) mod perception;
 pub(super) mod record;

@@ -1,0 +1,282 @@
+//! `executor`: runs the commands of `andond` that an engineer orders on the board, one after the other.
+//!
+//! The board writes nothing, and knows no way to do what a command does. It sends a task. This role makes of it the command line that a person would
+//! type, runs it as a child, and sends on what it prints. So there is one way to do each thing, and the board has what the shell has.
+//!
+//! What comes from the network is a word for the kind of the task, names and texts. Each kind has a fixed list of arguments ([`plan`]). Names are those
+//! of files that there are, or are made of few characters, and no shell reads them. The journal keeps each task with the name of the login, and what
+//! became of it.
+//!
+//! One task runs at a time: two that teach would write the same job. A second one is refused, and the board says so.
+
+mod child;
+mod plan;
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use andon_host::config::Config;
+use andon_host::exit::Code;
+use andon_host::log::{code, log};
+use andon_host::role::{Cycle, Output, Role, Turn, WAIT};
+use andon_ipc::{Node, Port, Reader, Writer};
+use shm_schemas::{AuditKind, Printed, PrintedState, Showing, TASK_TEXT_BYTES, Task, TaskKind};
+
+use super::audit::Auditor;
+use super::{RoleError, disabled};
+use crate::made::Made;
+use crate::tool::teach::showing_after;
+use child::Child;
+use plan::Step;
+
+/// How often it looks at what a task has printed.
+const TURN: Duration = Duration::from_millis(50);
+
+/// Lines that are sent in a turn. The board takes as many, and the child waits meanwhile.
+const AT_ONCE: usize = 64;
+
+/// Runs until it is asked to stop.
+pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
+    let mut cycle = Cycle::new(node)?;
+    if !config.executor.enable {
+        log!(code::EXECUTOR_OFF, "executor.enable is false");
+        return disabled::run(&mut cycle);
+    }
+    let began = Instant::now();
+    let mut role = Executor {
+        config,
+        tasks: node.reader()?,
+        printed: Output::beside(node.writer()?),
+        auditor: Auditor::open(node)?,
+        running: None,
+    };
+    make_folders(&Made::new(config));
+    cycle.stepped(began);
+    cycle.run(&mut role)
+}
+
+/// Where a folder cannot be written, the commands say so as well, and what needs no file is done all the same.
+fn make_folders(made: &Made) {
+    // A folder that somebody has named may be on a disk that is only read.
+    let _ = std::fs::create_dir_all(made.films_folder());
+    let mut unwritable = made.folders().into_iter().filter_map(|folder| {
+        let tried = std::fs::create_dir_all(&folder).and_then(|()| tempfile::tempfile_in(&folder));
+        tried.err().map(|error| format!("{}: {error}", folder.display()))
+    });
+    match unwritable.next() {
+        Some(fault) => log!(code::EXECUTOR_CANNOT_WRITE, "{fault}"),
+        None => log!(code::EXECUTOR_READY, "orders of engineers are carried out"),
+    }
+}
+
+struct Executor<'c> {
+    config: &'c Config,
+    tasks: Reader<Task>,
+    printed: Output<Writer<Printed>>,
+    auditor: Auditor,
+    running: Option<Running>,
+}
+
+/// The task that runs.
+struct Running {
+    task: Task,
+    child: Child,
+    step: Step,
+    /// What comes after it.
+    rest: VecDeque<Step>,
+    showing: Option<Showing>,
+    is_stopped: bool,
+}
+
+impl Running {
+    /// Begins the first of the steps that are left; `None` where none is.
+    fn begin(task: &Task, mut rest: VecDeque<Step>, config: &Config) -> std::io::Result<Option<Self>> {
+        let Some(step) = rest.pop_front() else { return Ok(None) };
+        // A job that is taught again finds there what it was taught from.
+        let child = Child::start(&step.arguments, &config.films())?;
+        Ok(Some(Self { task: *task, child, step, rest, showing: None, is_stopped: false }))
+    }
+}
+
+impl Role for Executor<'_> {
+    type Error = RoleError;
+    const INPUT_IS_STEADY: bool = false;
+
+    fn ports(&mut self) -> Vec<&mut dyn Port> {
+        vec![self.printed.port(), self.auditor.port(), &mut self.tasks]
+    }
+
+    fn patience(&self) -> Duration {
+        if self.running.is_some() { TURN } else { WAIT }
+    }
+
+    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+        while let Some(task) = self.tasks.take()? {
+            self.take(cycle, &task)?;
+        }
+        self.go_on(cycle)?;
+        Ok(Turn::Idle)
+    }
+
+    fn stop(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        let Some(mut running) = self.running.take() else { return Ok(()) };
+        running.child.end();
+        self.end(cycle, &running.task, PrintedState::Stopped, "the role executor was stopped")
+    }
+}
+
+impl Executor<'_> {
+    fn take(&mut self, cycle: &mut Cycle<'_>, task: &Task) -> Result<(), RoleError> {
+        match TaskKind::try_from(task.kind) {
+            Ok(TaskKind::Answer) => self.answer(cycle, task),
+            Ok(TaskKind::Stop) => self.end_running(cycle, task),
+            Ok(kind) if self.running.is_none() => match plan::of(kind, task, self.config) {
+                Ok(steps) => self.begin(cycle, task, steps),
+                Err(why) => self.refuse(cycle, task, &why),
+            },
+            Ok(_) => self.refuse(cycle, task, "another task is running: wait for its end, or stop it"),
+            Err(_) => self.refuse(cycle, task, "the board is of another version"),
+        }
+    }
+
+    fn begin(&mut self, cycle: &mut Cycle<'_>, task: &Task, steps: VecDeque<Step>) -> Result<(), RoleError> {
+        match Running::begin(task, steps, self.config) {
+            Ok(running) => self.running = running,
+            Err(error) => return self.refuse(cycle, task, &format!("andond cannot be started: {error}")),
+        }
+        log!(code::TASK_BEGUN, "{}", what(task));
+        self.audit(cycle, task, PrintedState::Begun.name())?;
+        self.print(cycle, task, PrintedState::Begun, None, "")
+    }
+
+    /// Passes on what was printed, and begins the next step or ends the task where its child has ended.
+    fn go_on(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        let Some(mut running) = self.running.take() else { return Ok(()) };
+        for line in running.child.lines(AT_ONCE) {
+            running.showing = showing_after(&line, running.showing);
+            for part in parts(&line) {
+                self.print(cycle, &running.task, PrintedState::Line, running.showing, part)?;
+            }
+        }
+        let Some(status) = running.child.ended() else {
+            self.running = Some(running);
+            return Ok(());
+        };
+        let Running { task, step, rest, is_stopped, .. } = running;
+        if is_stopped {
+            return self.end(cycle, &task, PrintedState::Stopped, "");
+        }
+        if !status.code().is_some_and(|code| step.good.contains(&code)) {
+            let declined = i32::from(Code::Declined as u8);
+            let why = if status.code() == Some(declined) { step.if_declined } else { "" };
+            return self.end(cycle, &task, PrintedState::Failed, why);
+        }
+        match Running::begin(&task, rest, self.config) {
+            Ok(Some(running)) => {
+                self.running = Some(running);
+                Ok(())
+            }
+            Ok(None) => self.end(cycle, &task, PrintedState::Done, ""),
+            Err(error) => {
+                let why = format!("andond cannot be started: {error}");
+                self.end(cycle, &task, PrintedState::Failed, &why)
+            }
+        }
+    }
+
+    fn answer(&mut self, cycle: &mut Cycle<'_>, task: &Task) -> Result<(), RoleError> {
+        let asked = self.running.as_ref().and_then(|running| running.showing);
+        let Some(running) = self.running.as_mut().filter(|_| asked.is_some()) else {
+            return self.refuse(cycle, task, "nothing is asked now");
+        };
+        if asked.map(Showing::code) != Some(task.showing) {
+            return self.refuse(cycle, task, "this was answered already");
+        }
+        let known: &[&str] = match asked {
+            Some(Showing::Keep) => &["k", "d", "t", "q"],
+            _ => &["", "d", "q"],
+        };
+        if !known.contains(&task.text()) {
+            return self.refuse(cycle, task, "this is no answer");
+        }
+        // Until it asks again, there is nothing to answer.
+        running.showing = None;
+        match running.child.tell(task.text()) {
+            Ok(()) => {
+                self.audit(cycle, task, "taken")?;
+                self.print(cycle, task, PrintedState::Done, None, "")
+            }
+            Err(_) => self.refuse(cycle, task, "the task has just ended"),
+        }
+    }
+
+    fn end_running(&mut self, cycle: &mut Cycle<'_>, task: &Task) -> Result<(), RoleError> {
+        let Some(running) = &mut self.running else {
+            return self.refuse(cycle, task, "nothing is running");
+        };
+        running.is_stopped = true;
+        running.child.ask_to_end();
+        self.audit(cycle, task, "taken")?;
+        self.print(cycle, task, PrintedState::Done, None, "")
+    }
+
+    fn end(
+        &mut self,
+        cycle: &mut Cycle<'_>,
+        task: &Task,
+        state: PrintedState,
+        why: &str,
+    ) -> Result<(), RoleError> {
+        log!(code::TASK_ENDED, "{}: {}", what(task), state.name());
+        self.audit(cycle, task, state.name())?;
+        self.print(cycle, task, state, None, why)
+    }
+
+    fn refuse(&mut self, cycle: &mut Cycle<'_>, task: &Task, why: &str) -> Result<(), RoleError> {
+        log!(code::TASK_REFUSED, "{}: {why}", what(task));
+        self.audit(cycle, task, &format!("refused, because {why}"))?;
+        self.print(cycle, task, PrintedState::Refused, None, why)
+    }
+
+    fn audit(&mut self, cycle: &mut Cycle<'_>, task: &Task, became: &str) -> Result<(), RoleError> {
+        let who = format!("login {}", task.who());
+        Ok(self.auditor.record(cycle, AuditKind::Task, &who, &format!("{}: {became}", what(task)))?)
+    }
+
+    fn print(
+        &mut self,
+        cycle: &mut Cycle<'_>,
+        task: &Task,
+        state: PrintedState,
+        showing: Option<Showing>,
+        text: &str,
+    ) -> Result<(), RoleError> {
+        Ok(self.printed.send(cycle, |message| {
+            message.of(task);
+            message.state = state.code();
+            message.showing = showing.map_or(0, Showing::code);
+            message.say(text);
+        })?)
+    }
+}
+
+/// A task in a few words, for the log and the journal.
+fn what(task: &Task) -> String {
+    let kind = TaskKind::try_from(task.kind).map_or("unknown task", TaskKind::name);
+    let first = task.text().lines().next().unwrap_or_default();
+    let words = [kind, task.name(), first].into_iter().filter(|word| !word.is_empty());
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// A line in pieces that fit into a message.
+fn parts(line: &str) -> Vec<&str> {
+    let mut parts = Vec::new();
+    let mut rest = line;
+    while rest.len() > TASK_TEXT_BYTES {
+        let (part, more) = rest.split_at(rest.floor_char_boundary(TASK_TEXT_BYTES));
+        parts.push(part);
+        rest = more;
+    }
+    parts.push(rest);
+    parts
+}

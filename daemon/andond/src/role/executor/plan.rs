@@ -1,0 +1,413 @@
+//! From a task to command lines of `andond`: a fixed list of arguments for each kind.
+//!
+//! Nothing in a task becomes a path. A job has a name of few characters and lies in the station's folder of jobs. A recording is one of those in the
+//! folder of films. Whatever else is said is one argument, which no shell reads.
+
+use std::collections::VecDeque;
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use andon_host::atomic;
+use andon_host::config::Config;
+use andon_ipc::is_station_name;
+use shm_schemas::{Task, TaskKind, task_flag};
+
+use super::super::jobs;
+use crate::made::{Made, hash_of, is_hash, is_name};
+
+/// Exit codes of a command that has done what was asked for.
+const DONE: &[i32] = &[0];
+
+/// Those of a command that has judged, whatever it has found.
+const JUDGED: &[i32] = &[0, 1, 2];
+
+/// Runs of a job that are shown at once, at most.
+const MOST_RUNS: u16 = 50;
+
+/// How long a running job is waited for, in seconds.
+const IDLE_S: &str = "300";
+
+/// One command.
+#[derive(Debug)]
+pub(super) struct Step {
+    pub(super) arguments: Vec<OsString>,
+    /// The exit codes with which it has done what was asked for.
+    pub(super) good: &'static [i32],
+    /// What is said where it has declined, if it does not say so itself.
+    pub(super) if_declined: &'static str,
+}
+
+/// The commands of a task, and what must be done before them.
+///
+/// # Errors
+/// Why it is not done, in words for whoever has ordered it.
+pub(super) fn of(kind: TaskKind, task: &Task, config: &Config) -> Result<VecDeque<Step>, String> {
+    let desk = Desk { config, made: Made::new(config), task };
+    let steps = match kind {
+        TaskKind::TeachLive => {
+            let count: u16 = task.text().parse().unwrap_or(0);
+            if !(1..=MOST_RUNS).contains(&count) {
+                return Err(format!("a job is shown 1 to {MOST_RUNS} times"));
+            }
+            let mut teach = desk.teach_anew()?;
+            teach.extend(["--live".into(), format!("--count={count}").into()]);
+            vec![desk.step("teach", teach)]
+        }
+        TaskKind::TeachFilms => {
+            let films = desk.films()?;
+            let teach = if desk.has(task_flag::ADD) {
+                let added = films.into_iter().flat_map(|film| [OsString::from("--add"), film.into()]);
+                [desk.teach_again()?, added.collect()].concat()
+            } else {
+                [desk.teach_anew()?, films.into_iter().map(Into::into).collect()].concat()
+            };
+            vec![desk.step("teach", teach)]
+        }
+        TaskKind::TeachAgain => {
+            let mut teach = desk.teach_again()?;
+            teach.push("--from-history".into());
+            vec![desk.step("teach", teach)]
+        }
+        TaskKind::Without => {
+            let run = task.text();
+            if !is_name(run) {
+                return Err("a run has a name of letters, digits, dots, dashes and underscores".into());
+            }
+            let mut teach = desk.teach_again()?;
+            teach.extend(["--without".into(), run.into()]);
+            vec![desk.step("teach", teach)]
+        }
+        TaskKind::Load => desk.load()?.into(),
+        TaskKind::RollBack => {
+            desk.put_back()?;
+            desk.load()?.into()
+        }
+        TaskKind::Name => {
+            let names = task.text().lines().map(OsString::from);
+            let job = desk.known_job()?;
+            vec![desk.step("name", [job.into(), OsString::from("--")].into_iter().chain(names).collect())]
+        }
+        TaskKind::Whatif => {
+            let job = desk.known_job()?;
+            let whatif = desk.step("whatif", vec!["--job".into(), job.into(), "--since=7d".into()]);
+            vec![Step { good: JUDGED, ..whatif }]
+        }
+        TaskKind::Markers => {
+            vec![desk.step("markers", vec!["--out".into(), desk.made.markers().into(), "--force".into()])]
+        }
+        TaskKind::Look => vec![desk.look()],
+        TaskKind::Calibrate => vec![desk.look(), desk.calibrate()?],
+        TaskKind::New => vec![desk.new_station()?],
+        TaskKind::Answer | TaskKind::Stop => Vec::new(),
+    };
+    Ok(steps.into())
+}
+
+struct Desk<'a> {
+    config: &'a Config,
+    made: Made,
+    task: &'a Task,
+}
+
+impl Desk<'_> {
+    /// A command on this station.
+    fn step(&self, command: &str, arguments: Vec<OsString>) -> Step {
+        // It runs in another folder than this role.
+        let absolute = |file: &PathBuf| std::path::absolute(file).unwrap_or_else(|_| file.clone());
+        let files =
+            self.config.files.iter().flat_map(|file| [OsString::from("--config"), absolute(file).into()]);
+        let arguments = std::iter::once(OsString::from(command)).chain(files).chain(arguments).collect();
+        Step { arguments, good: DONE, if_declined: "" }
+    }
+
+    fn has(&self, flag: u8) -> bool {
+        self.task.flags & flag != 0
+    }
+
+    /// The file of the job, which may not be there yet.
+    fn job(&self) -> Result<PathBuf, String> {
+        let name = self.task.name();
+        // The name of a version has a dot.
+        if !is_name(name) || name.contains('.') {
+            return Err("a job has a name of letters, digits, dashes and underscores, and begins with a letter or digit".into());
+        }
+        Ok(self.made.job(name))
+    }
+
+    fn known_job(&self) -> Result<PathBuf, String> {
+        let job = self.job()?;
+        if job.is_file() { Ok(job) } else { Err(format!("there is no job {}", self.task.name())) }
+    }
+
+    /// The arguments that teach a new job, or one in the place of another.
+    fn teach_anew(&self) -> Result<Vec<OsString>, String> {
+        let job = self.job()?;
+        if job.exists() && !self.has(task_flag::FORCE) {
+            return Err(format!(
+                "there is a job {} already: choose another name, or say that it is to be replaced",
+                self.task.name()
+            ));
+        }
+        self.teach(&job)
+    }
+
+    /// The arguments that teach a job again.
+    fn teach_again(&self) -> Result<Vec<OsString>, String> {
+        self.teach(&self.known_job()?)
+    }
+
+    /// What every teaching has. The version that there is now is kept.
+    fn teach(&self, job: &Path) -> Result<Vec<OsString>, String> {
+        self.keep_version(job)?;
+        let report = self.made.report(self.task.name());
+        // Where nothing was taught, an old one would be taken for that of this teaching. It may not be there.
+        let _ = fs::remove_file(&report);
+        let mut arguments: Vec<OsString> = vec!["--out".into(), job.into(), "--report".into(), report.into()];
+        if self.has(task_flag::PICTURES) {
+            arguments.push("--pictures".into());
+        }
+        if self.has(task_flag::FORCE) {
+            arguments.push("--force".into());
+        }
+        Ok(arguments)
+    }
+
+    fn films(&self) -> Result<Vec<PathBuf>, String> {
+        let find = |name: &str| self.made.film(name).ok_or_else(|| format!("there is no recording {name:?}"));
+        let films: Vec<PathBuf> = self.task.text().lines().map(find).collect::<Result<_, _>>()?;
+        if films.is_empty() { Err("no recording was chosen".into()) } else { Ok(films) }
+    }
+
+    /// Keeps the version of a job that there is, if there is one.
+    fn keep_version(&self, job: &Path) -> Result<(), String> {
+        if !job.exists() {
+            return Ok(());
+        }
+        let file = jobs::read(job).map_err(|error| error.to_string())?;
+        let version = self.made.version(self.task.name(), &hash_of(&file));
+        let kept = fs::read(job).and_then(|bytes| atomic::write(&version, &bytes));
+        kept.map_err(|error| format!("{}: {error}", version.display()))
+    }
+
+    /// Puts an earlier version of the job in its place.
+    fn put_back(&self) -> Result<(), String> {
+        let job = self.job()?;
+        let hash = self.task.text();
+        let version = self.made.version(self.task.name(), hash);
+        if !is_hash(hash) || !version.is_file() {
+            return Err(format!("there is no such version of the job {}", self.task.name()));
+        }
+        // What nobody could load is not put back.
+        jobs::load(&version, self.config).map_err(|error| error.to_string())?;
+        self.keep_version(&job)?;
+        let put = fs::read(&version).and_then(|bytes| atomic::write(&job, &bytes));
+        put.map_err(|error| format!("{}: {error}", job.display()))
+    }
+
+    /// Loads the job once none is running.
+    fn load(&self) -> Result<[Step; 2], String> {
+        let job = self.known_job()?;
+        let idle = self.step("idle", vec!["--timeout".into(), IDLE_S.into()]);
+        let if_declined = "a job is still running, so it was not loaded: try again when the bench rests";
+        Ok([Step { if_declined, ..idle }, self.step("use", vec![job.into()])])
+    }
+
+    /// The file of a new station, for whoever may install it.
+    fn new_station(&self) -> Result<Step, String> {
+        let name = self.task.name();
+        if !is_station_name(name) {
+            return Err("a station has a name of 1 to 16 of the characters a-z, 0-9 and '-'".into());
+        }
+        let mut lines = self.task.text().lines();
+        let camera = lines.next().unwrap_or_default();
+        let device = camera.strip_prefix("/dev/video").unwrap_or_default();
+        let is_device = !device.is_empty() && device.bytes().all(|byte| byte.is_ascii_digit());
+        if !(camera.is_empty() || camera == "realsense" || is_device) {
+            return Err("a camera is /dev/video0, or another number, or realsense".into());
+        }
+        let parts: Vec<&str> = lines.filter(|part| !part.is_empty()).collect();
+        if parts.is_empty() {
+            return Err("a station has a part".into());
+        }
+        let mut arguments: Vec<OsString> = vec![name.into(), "--force".into(), "--out".into()];
+        arguments.push(self.made.station(name).into());
+        arguments.extend(parts.iter().map(|part| format!("--part={part}").into()));
+        if !camera.is_empty() {
+            arguments.push(format!("--camera={camera}").into());
+        }
+        // It needs no station to be there.
+        arguments.insert(0, "new".into());
+        Ok(Step { arguments, good: DONE, if_declined: "" })
+    }
+
+    fn look(&self) -> Step {
+        let [picture, seen] = [self.made.picture(), self.made.seen()];
+        self.step("look", vec!["--save".into(), picture.into(), "--annotated".into(), seen.into()])
+    }
+
+    fn calibrate(&self) -> Result<Step, String> {
+        let is_number = |text: &str| {
+            !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit() || b"=,.-".contains(&byte))
+        };
+        let lines: Vec<&str> = self.task.text().lines().collect();
+        let Some((side, markers)) = lines.split_first().filter(|_| lines.iter().all(|line| is_number(line)))
+        else {
+            return Err("give the side of the markers and four markers, as in 46=0.00,0.00".into());
+        };
+        let mut arguments: Vec<OsString> = vec![self.made.picture().into(), format!("--side={side}").into()];
+        arguments.extend(markers.iter().map(|marker| format!("--marker={marker}").into()));
+        let out = self.config.bench.calibration.clone().unwrap_or_else(|| self.made.calibration());
+        arguments.extend(["--plot".into(), self.made.calibrated().into(), "--out".into(), out.into()]);
+        Ok(self.step("calibrate", arguments))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/jobs/polish-and-measure.toml");
+
+    /// A station with the shipped job under this name, and with one film.
+    fn station(folder: &Path) -> Config {
+        let mut config =
+            Config::load(&[concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/stations/demo.toml")]).unwrap();
+        config.files = vec!["/etc/station.toml".into()];
+        config.station.jobs = folder.join("jobs");
+        config.executor.path = Some(folder.into());
+        Made::new(&config).folders().iter().for_each(|folder| fs::create_dir_all(folder).unwrap());
+        fs::create_dir(folder.join("films")).unwrap();
+        fs::write(folder.join("films/one.mp4"), "").unwrap();
+        fs::copy(SHIPPED, folder.join("jobs/polish.toml")).unwrap();
+        config
+    }
+
+    fn planned(
+        config: &Config,
+        kind: TaskKind,
+        name: &str,
+        text: &str,
+        flags: u8,
+    ) -> Result<Vec<String>, String> {
+        let mut task = Task { flags, ..Task::default() };
+        assert!(task.say("maria", name, text));
+        let line = |step: Step| {
+            let words: Vec<_> =
+                step.arguments.iter().map(|word| word.to_string_lossy().into_owned()).collect();
+            words.join(" ")
+        };
+        Ok(of(kind, &task, config)?.into_iter().map(line).collect())
+    }
+
+    #[test]
+    fn each_task_is_the_command_that_a_person_would_type() {
+        let folder = tempfile::tempdir().unwrap();
+        let config = station(folder.path());
+        let at = |name: &str| folder.path().join(name).display().to_string();
+        let station = "--config /etc/station.toml";
+        let (job, report) = (at("jobs/new.toml"), at("reports/new.html"));
+        let plan = |kind, name, text, flags| planned(&config, kind, name, text, flags).unwrap();
+        assert_eq!(
+            plan(TaskKind::TeachLive, "new", "5", 0),
+            [format!("teach {station} --out {job} --report {report} --live --count=5")]
+        );
+        assert_eq!(
+            plan(TaskKind::TeachFilms, "new", "one.mp4", task_flag::PICTURES),
+            [format!("teach {station} --out {job} --report {report} --pictures {}", at("films/one.mp4"))]
+        );
+        let (job, report) = (at("jobs/polish.toml"), at("reports/polish.html"));
+        let teach = format!("teach {station} --out {job} --report {report}");
+        assert_eq!(
+            plan(TaskKind::TeachFilms, "polish", "one.mp4", task_flag::ADD),
+            [format!("{teach} --add {}", at("films/one.mp4"))]
+        );
+        assert_eq!(plan(TaskKind::TeachAgain, "polish", "", 0), [format!("{teach} --from-history")]);
+        assert_eq!(
+            plan(TaskKind::Without, "polish", "run-2.mp4", 0),
+            [format!("{teach} --without run-2.mp4")]
+        );
+        assert_eq!(
+            plan(TaskKind::Name, "polish", "-x\n$(rm)", 0),
+            [format!("name {station} {job} -- -x $(rm)")]
+        );
+        assert_eq!(
+            plan(TaskKind::Load, "polish", "", 0),
+            [format!("idle {station} --timeout 300"), format!("use {station} {job}")]
+        );
+        assert_eq!(
+            plan(TaskKind::New, "bench2", "/dev/video1\nbrick=0.033\n\nsaw blade", 0),
+            [format!(
+                "new bench2 --force --out {} --part=brick=0.033 --part=saw blade --camera=/dev/video1",
+                at("stations/bench2.toml")
+            )]
+        );
+        assert_eq!(
+            plan(TaskKind::Calibrate, "", "0.04\n46=0,0\n47=0.5,0\n48=0.5,0.3\n49=0,-0.3", 0)[1],
+            format!(
+                "calibrate {station} {} --side=0.04 --marker=46=0,0 --marker=47=0.5,0 --marker=48=0.5,0.3 --marker=49=0,-0.3 --plot {} --out {}",
+                at("look.png"),
+                at("calibrated.jpg"),
+                at("calibration.toml")
+            )
+        );
+    }
+
+    #[test]
+    fn what_is_no_name_of_a_file_that_there_is_or_no_number_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let config = station(folder.path());
+        let before = fs::read(folder.path().join("jobs/polish.toml")).unwrap();
+        for name in ["", "..", "../polish", "a/b", "polish.toml", "a b", "-rf", "$(id)", "a;b", "none"] {
+            for kind in [TaskKind::Load, TaskKind::TeachAgain, TaskKind::Name, TaskKind::Whatif] {
+                assert!(planned(&config, kind, name, "", 0).is_err(), "{name}");
+            }
+        }
+        for name in ["../polish", "a/b", "a b", "-rf", "a.b"] {
+            assert!(planned(&config, TaskKind::TeachLive, name, "5", 0).is_err(), "{name}");
+        }
+        for text in ["", "0", "51", "-1", "5; rm"] {
+            assert!(planned(&config, TaskKind::TeachLive, "new", text, 0).is_err(), "{text}");
+        }
+        for text in ["", "two.mp4", "../jobs/polish.toml", "one.mp4\n/etc/passwd", "--out"] {
+            assert!(planned(&config, TaskKind::TeachFilms, "new", text, 0).is_err(), "{text}");
+        }
+        for text in ["", "0.04\n--out=x", "0.04\n46=0,0;x", "a\n46=0,0"] {
+            assert!(planned(&config, TaskKind::Calibrate, "", text, 0).is_err(), "{text}");
+        }
+        for (name, text) in [
+            ("../bench", "\nbrick"),
+            ("Bench", "\nbrick"),
+            ("bench", ""),
+            ("bench", "/etc/passwd\nbrick"),
+            ("bench", "/dev/video0;x\nbrick"),
+        ] {
+            assert!(planned(&config, TaskKind::New, name, text, 0).is_err(), "{name} {text}");
+        }
+        for text in ["", "../../x", "0123456789abcdef", "0123456789abcde/"] {
+            assert!(planned(&config, TaskKind::RollBack, "polish", text, 0).is_err(), "{text}");
+        }
+        let exists = planned(&config, TaskKind::TeachLive, "polish", "5", 0).unwrap_err();
+        assert!(exists.contains("choose another name"), "{exists}");
+        assert_eq!(fs::read(folder.path().join("jobs/polish.toml")).unwrap(), before);
+    }
+
+    #[test]
+    fn teaching_keeps_the_version_before_it_and_rolling_back_puts_it_in_its_place_and_keeps_the_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let config = station(folder.path());
+        let made = Made::new(&config);
+        let job = made.job("polish");
+        let first = jobs::read(&job).unwrap();
+        planned(&config, TaskKind::TeachAgain, "polish", "", 0).unwrap();
+        let mut second = first.clone();
+        second.name = "another".into();
+        fs::write(&job, second.to_toml()).unwrap();
+        planned(&config, TaskKind::RollBack, "polish", &hash_of(&first), 0).unwrap();
+        assert_eq!(jobs::read(&job).unwrap().name, first.name);
+        assert_eq!(made.versions("polish").len(), 2);
+        planned(&config, TaskKind::RollBack, "polish", &hash_of(&second), 0).unwrap();
+        assert_eq!(jobs::read(&job).unwrap().name, "another");
+    }
+}

@@ -1,0 +1,284 @@
+//! The role that runs what an engineer orders. The test orders in the place of the board.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use andon_ipc::{Node, Reader, Writer};
+use andon_learn::job_file::JobFile;
+use andon_tests::line::{Line, PATIENCE, Settings, Watcher, save_runs, stand_in};
+use rustix::process::{Pid, Signal, kill_process};
+use shm_schemas::{Printed, PrintedState, RoleId, Showing, Task, TaskKind, task_flag};
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// A station without a job, with recordings to teach from.
+fn station() -> Line {
+    let line = Line::new(Settings::live());
+    line.reconfigure("job = \"job.toml\"\n", "jobs = \"jobs\"\n");
+    let tables = "[board]\nenable = true\n\n[executor]\nenable = true\npath = \"made\"\n\n[plc]\n";
+    line.reconfigure("[plc]\n", tables);
+    fs::create_dir_all(line.path("made/films")).unwrap();
+    save_runs(&line.path("made/films"));
+    line
+}
+
+/// The place of the board.
+struct Board {
+    node: Node,
+    tasks: Writer<Task>,
+    printed: Reader<Printed>,
+    ordered: u64,
+}
+
+impl Board {
+    fn new(line: &Line) -> Self {
+        let node = stand_in(line, RoleId::Board);
+        let (mut tasks, printed) = (node.writer::<Task>().unwrap(), node.reader().unwrap());
+        tasks.follow(&[RoleId::Executor]);
+        Self { node, tasks, printed, ordered: 0 }
+    }
+
+    fn order(&mut self, kind: TaskKind, name: &str, text: &str) -> u64 {
+        self.order_with(kind, name, text, 0, 0)
+    }
+
+    fn order_with(&mut self, kind: TaskKind, name: &str, text: &str, flags: u8, showing: u8) -> u64 {
+        self.node.wait_for_room(&mut self.tasks, PATIENCE).unwrap();
+        self.ordered += 1;
+        let mut task = self.tasks.loan().unwrap();
+        (task.number, task.kind, task.flags, task.showing) = (self.ordered, kind.code(), flags, showing);
+        assert!(task.say("eva", name, text));
+        self.tasks.send(task).unwrap();
+        self.ordered
+    }
+
+    /// The next message about a task.
+    fn hears(&mut self, task: u64) -> (PrintedState, Option<Showing>, String) {
+        let until = Instant::now() + PATIENCE;
+        loop {
+            while let Some(printed) = self.printed.take().unwrap() {
+                if printed.task == task {
+                    let state = PrintedState::try_from(printed.state).unwrap();
+                    let showing = Showing::try_from(printed.showing).ok();
+                    return (state, showing, printed.text().to_owned());
+                }
+            }
+            assert!(Instant::now() < until, "nothing is said of task {task}");
+            self.node.wait(&mut [&mut self.tasks, &mut self.printed], Duration::from_millis(50)).unwrap();
+        }
+    }
+
+    /// What a task has printed until its end, and how it has ended.
+    fn ends(&mut self, task: u64) -> (PrintedState, String) {
+        let mut said = String::new();
+        loop {
+            let (state, _, line) = self.hears(task);
+            said += &format!("{line}\n");
+            if !matches!(state, PrintedState::Begun | PrintedState::Line) {
+                return (state, said);
+            }
+        }
+    }
+
+    /// Waits until a task says this.
+    fn until(&mut self, task: u64, text: &str) {
+        loop {
+            let (state, _, line) = self.hears(task);
+            if line.contains(text) {
+                return;
+            }
+            assert!(matches!(state, PrintedState::Begun | PrintedState::Line), "{state:?}: {line}");
+        }
+    }
+}
+
+/// Who has done what, as the journal has it, once it says this.
+fn audit(line: &Line, wanted: &str) -> String {
+    let until = Instant::now() + PATIENCE;
+    loop {
+        let output = line.command("history", &["--audit", "--csv"]);
+        let kept = String::from_utf8(output.stdout).unwrap();
+        if kept.contains(wanted) {
+            return kept;
+        }
+        assert!(Instant::now() < until, "{wanted} is not in {kept}");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+/// The processes that run this command on a station.
+fn running(line: &Line, command: &str) -> Vec<i32> {
+    let config = line.config().display().to_string();
+    let pids = fs::read_dir("/proc").unwrap().flatten();
+    let pids = pids.filter_map(|entry| entry.file_name().to_str()?.parse::<i32>().ok());
+    let is_ours = |pid: &i32| {
+        let words = fs::read_to_string(format!("/proc/{pid}/cmdline")).unwrap_or_default();
+        let words: Vec<&str> = words.split('\0').collect();
+        words.get(1) == Some(&command) && words.contains(&config.as_str())
+    };
+    pids.filter(is_ours).collect()
+}
+
+/// Starts the role, and waits until it hears: what is ordered before that is done by nobody.
+fn start_again(line: &mut Line, watcher: &mut Watcher) {
+    let pid = line.start("executor").pid();
+    watcher.until("the executor", |watcher| watcher.runs(RoleId::Executor, pid));
+}
+
+fn job(path: &Path) -> JobFile {
+    JobFile::parse("job.toml", &fs::read(path).unwrap()).unwrap()
+}
+
+const FILMS: &str =
+    "p1_r1.tracks.jsonl\np2_r1.tracks.jsonl\np3_r1.tracks.jsonl\np4_r1.tracks.jsonl\np9_r2.tracks.jsonl";
+
+#[test]
+fn a_job_is_taught_named_loaded_taught_again_and_rolled_back_by_orders_and_the_journal_has_who_ordered_it() {
+    let mut line = station();
+    let mut watcher = line.launch();
+    line.start("executor");
+    line.wait_for_log("executor", "AND-629", "");
+    let mut board = Board::new(&line);
+    let path = line.path("jobs/polish.toml");
+
+    let teach = board.order(TaskKind::TeachFilms, "polish", FILMS);
+    let (state, said) = board.ends(teach);
+    assert!(state == PrintedState::Done && said.contains("written: "), "{said}");
+    assert!(fs::read_to_string(line.path("made/reports/polish.html")).unwrap().contains("Job "));
+    let first = job(&path);
+    assert_eq!(first.provenance.sources.len(), 5);
+
+    let name = board.order(TaskKind::Name, "polish", "Polish the brick\nMeasure $(it)");
+    assert_eq!(board.ends(name).0, PrintedState::Done);
+    assert_eq!(job(&path).step_names, ["Polish the brick", "Measure $(it)"]);
+    assert_eq!(job(&path).model_hash(), first.model_hash());
+    let name = board.order(TaskKind::Name, "polish", "one name for two steps");
+    let (state, said) = board.ends(name);
+    assert!(state == PrintedState::Failed && said.contains("names.steps"), "{said}");
+
+    let load = board.order(TaskKind::Load, "polish", "");
+    let (state, said) = board.ends(load);
+    assert!(state == PrintedState::Done && said.contains("is in force"), "{said}");
+    watcher.until("the job", |watcher| {
+        watcher.judging.is_some_and(|judging| judging.model_hash == first.model_hash())
+    });
+    watcher.until("a right piece", |watcher| {
+        watcher.verdicts.iter().any(|verdict| (verdict.level, verdict.outcome) == (3, 1))
+    });
+
+    let add = board.order_with(TaskKind::TeachFilms, "polish", "p9_r3.tracks.jsonl", task_flag::ADD, 0);
+    // The others lie beside neither the job nor the role.
+    let (state, said) = board.ends(add);
+    assert_eq!(state, PrintedState::Done, "{said}");
+    let second = job(&path);
+    assert_ne!(second.model_hash(), first.model_hash());
+    assert_eq!(second.step_names, ["Polish the brick", "Measure $(it)"]);
+    let back = board.order(TaskKind::RollBack, "polish", &format!("{:016x}", first.model_hash()));
+    let (state, said) = board.ends(back);
+    assert_eq!(state, PrintedState::Done, "{said}");
+    assert_eq!(job(&path).model_hash(), first.model_hash());
+    assert!(line.path(&format!("made/versions/polish.{:016x}.toml", second.model_hash())).is_file());
+
+    let kept = audit(&line, "roll-back polish");
+    for what in ["teach-films polish", "name polish", "load polish: begun", "load polish: done"] {
+        assert!(kept.lines().any(|row| row.contains("login eva") && row.contains(what)), "{what}: {kept}");
+    }
+    line.wait_for_log("executor", "AND-631", "");
+    line.wait_for_log("executor", "AND-632", "");
+}
+
+#[test]
+fn one_task_runs_at_a_time_is_answered_and_stopped_with_all_that_it_has_started() {
+    let mut line = station();
+    let _watcher = line.launch();
+    line.start("executor");
+    let mut board = Board::new(&line);
+    let teach = board.order_with(TaskKind::TeachLive, "shown", "3", task_flag::FORCE, 0);
+    let (mut showing, mut said) = (None, String::new());
+    while showing != Some(Showing::Run) {
+        let (_, now, line) = board.hears(teach);
+        said += &format!("{line}\n");
+        showing = now;
+    }
+    assert!(said.contains("looking through the running station line"), "{said}");
+    let second = board.order(TaskKind::Markers, "", "");
+    let (state, why) = board.ends(second);
+    assert!(state == PrintedState::Refused && why.contains("another task is running"), "{why}");
+    line.wait_for_log("executor", "AND-633", "");
+    // An answer to what is not asked, and one that is none.
+    for (text, showing) in [("k", Showing::Keep), ("rm -rf", Showing::Run)] {
+        let answer = board.order_with(TaskKind::Answer, "", text, 0, showing.code());
+        assert_eq!(board.ends(answer).0, PrintedState::Refused, "{text}");
+    }
+    let again = board.order_with(TaskKind::Answer, "", "d", 0, Showing::Run.code());
+    assert_eq!(board.ends(again).0, PrintedState::Done);
+    board.until(teach, "run 1 of 3");
+    assert_eq!(running(&line, "teach").len(), 1);
+    let stop = board.order(TaskKind::Stop, "", "");
+    assert_eq!(board.ends(stop).0, PrintedState::Done);
+    assert_eq!(board.ends(teach).0, PrintedState::Stopped);
+    assert_eq!(running(&line, "teach"), [0; 0]);
+    let stop = board.order(TaskKind::Stop, "", "");
+    let (state, why) = board.ends(stop);
+    assert!(state == PrintedState::Refused && why.contains("nothing is running"), "{why}");
+    assert!(!line.path("jobs/shown.toml").exists());
+    let kept = audit(&line, "teach-live shown 3: stopped");
+    assert!(kept.contains("markers: refused") && kept.contains("answer d: taken"), "{kept}");
+}
+
+#[test]
+fn what_leads_out_of_its_folders_is_refused_and_said_to_be_so() {
+    let mut line = station();
+    let _watcher = line.launch();
+    line.start("executor");
+    let mut board = Board::new(&line);
+    for (kind, name, text) in [
+        (TaskKind::TeachFilms, "../outside", FILMS),
+        (TaskKind::TeachFilms, "polish", "../../work.tracks.jsonl"),
+        (TaskKind::TeachFilms, "polish", "/etc/passwd"),
+        (TaskKind::TeachLive, "-rf", "3"),
+        (TaskKind::TeachLive, "a; touch /tmp/harm", "3"),
+        (TaskKind::Load, "../job", ""),
+        (TaskKind::RollBack, "polish", "../../../job"),
+        (TaskKind::Calibrate, "", "0.04\n--out=/tmp/harm"),
+    ] {
+        let task = board.order(kind, name, text);
+        assert_eq!(board.ends(task).0, PrintedState::Refused, "{kind:?} {name} {text}");
+    }
+    assert_eq!(fs::read_dir(line.path("jobs")).unwrap().count(), 0);
+}
+
+#[test]
+fn a_role_that_is_stopped_ends_its_task_and_one_that_starts_again_does_only_what_is_ordered_then() {
+    let mut line = station();
+    let mut watcher = line.launch();
+    line.start("executor");
+    let mut board = Board::new(&line);
+    let teach = board.order(TaskKind::TeachLive, "shown", "3");
+    board.until(teach, "run 1 of 3");
+    line.role("executor").signal(Signal::TERM);
+    assert!(line.role("executor").wait().success());
+    assert_eq!(board.ends(teach).0, PrintedState::Stopped);
+    assert_eq!(running(&line, "teach"), [0; 0]);
+
+    start_again(&mut line, &mut watcher);
+    let shown = board.order(TaskKind::TeachLive, "shown", "3");
+    board.until(shown, "run 1 of 3");
+    line.role("executor").kill();
+    // Its unit ends what it has started.
+    for pid in running(&line, "teach") {
+        let _ = kill_process(Pid::from_raw(pid).unwrap(), Signal::KILL);
+    }
+    start_again(&mut line, &mut watcher);
+    let films = board.order(TaskKind::TeachFilms, "polish", FILMS);
+    assert_eq!(board.ends(films).0, PrintedState::Done);
+    assert!(!line.path("jobs/shown.toml").exists());
+}
+
+#[test]
+fn folders_that_cannot_be_written_are_named_with_what_helps() {
+    let mut line = station();
+    line.reconfigure("jobs = \"jobs\"", "jobs = \"/proc/jobs\"");
+    line.start("steward");
+    line.start("executor");
+    line.wait_for_log("executor", "AND-630", "Set station.jobs");
+}
