@@ -10,12 +10,17 @@ pub(crate) enum Page {
     Event,
     /// What the codes of messages mean.
     Explain,
+    /// What an engineer orders, and what came of it.
+    Engineer,
+    /// One job, which `at` names.
+    Job,
     /// The picture alone, with what to improve.
     Look,
 }
 
 impl Page {
-    const ALL: [Self; 5] = [Self::Worker, Self::Technician, Self::Event, Self::Explain, Self::Look];
+    const ALL: [Self; 7] =
+        [Self::Worker, Self::Technician, Self::Event, Self::Explain, Self::Engineer, Self::Job, Self::Look];
 
     /// Where it is.
     pub(crate) const fn path(self) -> &'static str {
@@ -25,6 +30,8 @@ impl Page {
             Self::Technician => "/technician",
             Self::Event => "/technician/event",
             Self::Explain => "/technician/explain",
+            Self::Engineer => "/engineer",
+            Self::Job => "/engineer/job",
         }
     }
 
@@ -34,6 +41,8 @@ impl Page {
             Self::Technician => "technician",
             Self::Event => "event",
             Self::Explain => "explain",
+            Self::Engineer => "engineer",
+            Self::Job => "job",
             Self::Look => "look",
         }
     }

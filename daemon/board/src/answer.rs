@@ -3,10 +3,11 @@
 use andon_http::{Request, Response};
 use shm_schemas::MessageId;
 
-use crate::access::{FILM, Login, Logins, Needs, Place, Rank, Refused, Tried, Try, Visitor};
+use crate::access::{FILM, Login, Logins, MADE, Needs, Place, Rank, Refused, Tried, Try, Visitor};
 use crate::address::{Address, Page, is_plain};
 use crate::board::Board;
 use crate::confirm::{Asked, Kept, Was};
+use crate::desk::MadeFile;
 use crate::film::Wanted;
 use crate::form::Form;
 use crate::page;
@@ -50,7 +51,7 @@ impl Board {
             return Response::text(403, "the board is not for pages of other sites\n");
         }
         let Some(place) = Place::of(request, self.settings.is_look) else {
-            return Response::text(404, "the board is at / and at /technician\n");
+            return Response::text(404, "the board is at /, at /technician and at /engineer\n");
         };
         let is_use = request.form.is_some() || matches!(place, Place::Page(_));
         let visitor = self.access.visitor(request, is_use, self.now_ns);
@@ -69,10 +70,12 @@ impl Board {
     }
 
     fn get(&mut self, request: &Request, place: Place, needs: Needs, visitor: &Visitor) -> Response {
-        if let Needs::ToRead(rank) = needs
-            && !self.access.is_open()
-            && visitor.rank < Some(rank)
-        {
+        let is_kept_out = match needs {
+            Needs::ToRead(rank) => !self.access.is_open() && visitor.rank < Some(rank),
+            Needs::ToEnter(rank) | Needs::ToAct(rank) => visitor.rank < Some(rank),
+            Needs::Nothing => false,
+        };
+        if is_kept_out {
             return self.turned_away(request, place, visitor);
         }
         match place {
@@ -90,7 +93,8 @@ impl Board {
             },
             Place::LogIn => self.login_page(&Address::of_login(&request.query), None),
             Place::Kiosk => self.kiosk(request),
-            Place::Picture | Place::LogOut | Place::Confirm => {
+            Place::Made => self.of_made(request),
+            Place::Picture | Place::LogOut | Place::Confirm | Place::Order => {
                 Response::text(404, "the board has no such thing\n")
             }
         }
@@ -142,13 +146,16 @@ impl Board {
                 Response::see(&to).with_own("set-cookie", cookie)
             }
             Place::Confirm => self.ask_to_confirm(&form, visitor, address),
+            Place::Order => self.order(&form, visitor, address),
             _ => Response::text(404, "the board has no such thing\n"),
         }
     }
 
     fn page(&mut self, address: &Address, visitor: &Visitor) -> Response {
-        if address.page == Page::Technician {
-            self.asked_ns = Some(self.now_ns);
+        match address.page {
+            Page::Technician => self.asked_ns = Some(self.now_ns),
+            Page::Engineer | Page::Job => self.desk.ask(self.now_ns),
+            _ => (),
         }
         let address = address.clone().for_visitor(visitor);
         if address.page == Page::Event
@@ -178,6 +185,26 @@ impl Board {
         match is_file {
             true => response.with_own("content-disposition", "attachment".to_owned()),
             false => response,
+        }
+    }
+
+    /// What a command of an engineer has made, under the last name of its path.
+    fn of_made(&mut self, request: &Request) -> Response {
+        let name = request.path.strip_prefix(MADE).unwrap_or_default();
+        let of = Address::new(Page::Job, &request.query).at;
+        let Some(file) = MadeFile::named(name, of) else {
+            return Response::text(404, "there is no such file\n");
+        };
+        let to_keep = match &file {
+            MadeFile::Markers => Some("attachment; filename=markers.pdf".to_owned()),
+            // Only letters, digits, dots, dashes and underscores were read of it.
+            MadeFile::Station(name) => Some(format!("attachment; filename={name}.toml")),
+            _ => None,
+        };
+        let response = self.desk.fetch(file);
+        match to_keep {
+            Some(how) => response.with_own("content-disposition", how),
+            None => response,
         }
     }
 
@@ -283,9 +310,11 @@ impl Board {
         let Asked { address, later, .. } = asked;
         let response = match kept {
             Kept::Kept => Response::see(&address.link()),
-            Kept::Gone => Response::ok(HTML, page::notice(self, &address, "confirm.gone")).with_status(404),
+            Kept::Gone => {
+                Response::ok(HTML, page::notice(self, &address, "confirm.gone", "")).with_status(404)
+            }
             Kept::Unkept => {
-                Response::ok(HTML, page::notice(self, &address, "confirm.unkept")).with_status(503)
+                Response::ok(HTML, page::notice(self, &address, "confirm.unkept", "")).with_status(503)
             }
         };
         later.send(response);

@@ -10,6 +10,7 @@ use crate::address::{Address, Page};
 use crate::clips::Clips;
 use crate::code::Code;
 use crate::confirm::{Asked, Confirmations, Was};
+use crate::desk::Desk;
 use crate::film::Asks;
 use crate::guard::Guard;
 use crate::job::Job;
@@ -52,6 +53,8 @@ pub struct Settings {
     pub picture: bool,
     /// Whether there is no line, but only a picture, with what to improve.
     pub is_look: bool,
+    /// Whether an engineer may order anything.
+    pub takes_orders: bool,
     /// The roles of the station, in the order of the data path.
     pub roles: Vec<RoleId>,
     /// The codes of the log, in the order of their numbers.
@@ -76,6 +79,7 @@ impl Settings {
             language: "en".to_owned(),
             picture: true,
             is_look: false,
+            takes_orders: false,
             roles: Vec::new(),
             codes: Vec::new(),
             code_of: |_| None,
@@ -104,6 +108,7 @@ pub struct Board {
     /// What people ask the line to keep.
     pub(crate) asked: Vec<Asked>,
     pub(crate) confirmations: Confirmations,
+    pub(crate) desk: Desk,
     pub(crate) line: Line,
     /// Why the line does not watch, for the technician.
     pub(crate) cause: String,
@@ -139,6 +144,7 @@ impl Board {
             access: Access::new(settings.port, settings.is_secure, settings.bind.is_loopback()),
             asked: Vec::new(),
             confirmations: Confirmations::default(),
+            desk: Desk::default(),
             settings,
             line: Line::default(),
             cause: String::new(),

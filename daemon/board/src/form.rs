@@ -11,8 +11,8 @@ impl std::fmt::Debug for Form {
     }
 }
 
-/// More pairs than any form of the board has.
-const MOST: usize = 16;
+/// More pairs than any form of the board has: one that names many steps, or many recordings, has the most.
+const MOST: usize = 64;
 
 impl Form {
     /// Reads what a browser sends; what cannot be read is left out.
@@ -24,6 +24,11 @@ impl Form {
     /// The value of a key; empty where there is none.
     pub(crate) fn get(&self, key: &str) -> &str {
         self.0.iter().find(|(known, _)| known == key).map_or("", |(_, value)| value)
+    }
+
+    /// All values of a key.
+    pub(crate) fn all<'a>(&'a self, key: &'a str) -> impl Iterator<Item = &'a str> {
+        self.0.iter().filter(move |(known, _)| known == key).map(|(_, value)| value.as_str())
     }
 
     pub(crate) fn without(mut self, key: &str) -> Self {

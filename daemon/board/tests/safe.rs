@@ -4,6 +4,7 @@
 
 mod answer;
 mod beside;
+mod orders;
 mod plant;
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
@@ -15,7 +16,7 @@ use answer::{cookie, header, status};
 use beside::{PATIENCE, until};
 use plant::{Plant, fault, served, served_at};
 
-const ADDRESSES: [&str; 19] = [
+const ADDRESSES: [&str; 24] = [
     "/",
     "/technician",
     "/step/0000000000000007-1.jpg",
@@ -35,6 +36,11 @@ const ADDRESSES: [&str; 19] = [
     "/kiosk",
     "/logout",
     "/confirm",
+    "/engineer",
+    "/engineer/job?at=polish",
+    "/events?view=engineer",
+    "/engineer/made/report.html?at=polish",
+    "/engineer/order",
 ];
 
 /// Waits for the head of an answer alone: a feed has no end.
@@ -87,6 +93,12 @@ fn each_rank_gets_what_the_table_says_and_nothing_else() {
             [403, 403, 403, 403, 403],
             [405, 405, 405, 405, 405],
             [405, 405, 405, 405, 405],
+            [303, 403, 403, 403, 200],
+            [303, 403, 403, 403, 200],
+            [200, 200, 200, 200, 200],
+            // There is none.
+            [401, 401, 401, 401, 404],
+            [405, 405, 405, 405, 405],
         ]) {
             for (asker, expected) in askers.iter().zip(expected) {
                 let (status, event) = head(plant, address, asker);
@@ -96,6 +108,7 @@ fn each_rank_gets_what_the_table_says_and_nothing_else() {
                     "/events?view=technician" | "/events?view=event" => {
                         [&technician[..], &engineer].contains(asker)
                     }
+                    "/events?view=engineer" => *asker == engineer,
                     _ => continue,
                 };
                 assert_eq!(
@@ -131,6 +144,11 @@ fn each_rank_gets_what_the_table_says_and_nothing_else() {
             [405; 5],
             [303, 303, 303, 303, 303],
             [303, 303, 403, 400, 400],
+            [405; 5],
+            [405; 5],
+            [405; 5],
+            [405; 5],
+            [303, 303, 403, 403, 400],
         ]) {
             for (asker, expected) in askers.iter().zip(expected) {
                 if address == "/login" {
@@ -182,6 +200,15 @@ fn where_only_this_machine_reaches_it_all_may_read_and_nobody_acts_without_a_log
             );
         }
         assert_eq!(head(plant, "/events?view=technician", "").1, "event: show");
+        // What an engineer has is for engineers, whoever is at the machine.
+        for (address, expected) in
+            [("/engineer", 303), ("/engineer/job?at=polish", 303), ("/engineer/made/markers.pdf", 401)]
+        {
+            assert_eq!(status(&plant.get(address, "")), expected, "{address}");
+        }
+        assert_eq!(head(plant, "/events?view=job&at=polish", "").1, "event: again");
+        assert_eq!(status(&plant.post("/engineer/order", "", "do=markers")), 303);
+        assert!(plant.orders.lock().unwrap().is_empty());
         assert_eq!(status(&plant.post("/confirm", "", "right=17-4")), 303);
         assert_eq!(plant.asked(), 0);
         let session = plant.session("technician");
@@ -213,7 +240,7 @@ fn a_form_of_another_site_or_without_the_token_of_its_session_does_nothing() {
             format!("Origin: https://localhost:{}\r\n", plant.port),
             "Origin: http://localhost\r\n".to_owned(),
         ] {
-            for target in ["/confirm", "/logout", "/login"] {
+            for target in ["/confirm", "/logout", "/login", "/engineer/order"] {
                 let answer = plant.post_from(target, &session, &origin, &right);
                 assert_eq!(status(&answer), 403, "{target} {origin}: {answer}");
             }
@@ -226,7 +253,7 @@ fn a_form_of_another_site_or_without_the_token_of_its_session_does_nothing() {
             format!("right=17-4&csrf={}", "0".repeat(64)),
             format!("right=17-4&CSRF={csrf}"),
         ] {
-            for target in ["/confirm", "/logout"] {
+            for target in ["/confirm", "/logout", "/engineer/order"] {
                 assert_eq!(status(&plant.post(target, &session, &form)), 403, "{target} {form}");
             }
         }

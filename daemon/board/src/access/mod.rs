@@ -19,7 +19,7 @@ use token::{Token, TokenHash};
 
 pub use logins::{Login, Logins, LoginsError, MAX_NAME};
 pub use rights::Rank;
-pub(crate) use rights::{FILM, Needs, Place};
+pub(crate) use rights::{FILM, MADE, Needs, Place};
 pub(crate) use sessions::Session;
 
 /// Passwords that wait to be compared.

@@ -13,7 +13,7 @@ pub enum Rank {
     Worker,
     /// Sees the technician's page, and says whether a verdict was right.
     Technician,
-    /// Teaches.
+    /// Sees the engineer's pages; teaches jobs and loads them.
     Engineer,
 }
 
@@ -39,12 +39,17 @@ pub(crate) enum Needs {
     Nothing,
     /// To see; where all who reach the board may read, nothing.
     ToRead(Rank),
+    /// To see, with a session of such a login also where all who reach the board may read.
+    ToEnter(Rank),
     /// To act: a session of such a login, and a form that a page of the board has sent.
     ToAct(Rank),
 }
 
 /// Where the pictures, stills and recordings of events are.
 pub(crate) const FILM: &str = "/technician/film/";
+
+/// Where the files are that the commands of engineers make.
+pub(crate) const MADE: &str = "/engineer/made/";
 
 /// An address that the board answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +70,10 @@ pub(crate) enum Place {
     LogOut,
     Kiosk,
     Confirm,
+    /// A file that a command of an engineer has made.
+    Made,
+    /// What an engineer orders.
+    Order,
 }
 
 impl Place {
@@ -81,6 +90,8 @@ impl Place {
             "/logout" => Self::LogOut,
             "/kiosk" => Self::Kiosk,
             "/confirm" => Self::Confirm,
+            "/engineer/order" => Self::Order,
+            path if path.starts_with(MADE) => Self::Made,
             path if path.starts_with(FILM) => Self::Film,
             path if path.starts_with("/step/") => Self::Step,
             path => Self::Page(Page::at(path, is_look)?),
@@ -96,19 +107,23 @@ impl Place {
         match page {
             Page::Worker => Rank::Worker,
             Page::Technician | Page::Event | Page::Explain | Page::Look => Rank::Technician,
+            Page::Engineer | Page::Job => Rank::Engineer,
         }
     }
 
     /// What is needed to get it.
     pub(crate) const fn get(self) -> Option<Needs> {
         Some(match self {
+            Self::Page(page @ (Page::Engineer | Page::Job))
+            | Self::Events(page @ (Page::Engineer | Page::Job)) => Needs::ToEnter(Self::reader(page)),
             Self::Page(page) | Self::Events(page) => Needs::ToRead(Self::reader(page)),
+            Self::Made => Needs::ToEnter(Rank::Engineer),
             Self::Picture | Self::Film => Needs::ToRead(Rank::Technician),
             Self::Step => Needs::ToRead(Rank::Worker),
             Self::Style | Self::Script | Self::Sound | Self::Player | Self::LogIn | Self::Kiosk => {
                 Needs::Nothing
             }
-            Self::LogOut | Self::Confirm => return None,
+            Self::LogOut | Self::Confirm | Self::Order => return None,
         })
     }
 
@@ -118,6 +133,7 @@ impl Place {
             Self::LogIn => Needs::Nothing,
             Self::LogOut => Needs::ToAct(Rank::Worker),
             Self::Confirm => Needs::ToAct(Rank::Technician),
+            Self::Order => Needs::ToAct(Rank::Engineer),
             Self::Page(_)
             | Self::Events(_)
             | Self::Picture
@@ -127,6 +143,7 @@ impl Place {
             | Self::Script
             | Self::Sound
             | Self::Player
+            | Self::Made
             | Self::Kiosk => return None,
         })
     }

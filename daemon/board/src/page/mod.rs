@@ -1,8 +1,10 @@
 //! The pages. Each is drawn whole on the server; a browser with scripts replaces what is new in it.
 
 mod confirmed;
+mod engineer;
 mod event;
 mod explain;
+mod job;
 mod look;
 mod picture;
 mod plain;
@@ -33,6 +35,8 @@ pub(crate) fn view(board: &Board, address: &Address) -> String {
         Page::Technician => technician::draw(&mut html, board, words, address),
         Page::Event => event::draw(&mut html, board, words, address),
         Page::Explain => (),
+        Page::Engineer => engineer::draw(&mut html, board, words, address),
+        Page::Job => job::draw(&mut html, board, words, address),
         Page::Look => look::draw(&mut html, board, words),
     }
     html.finish()
@@ -56,7 +60,11 @@ pub(crate) fn whole(
         Page::Worker => "<noscript><meta http-equiv=\"refresh\" content=\"3\"></noscript>",
         Page::Technician => "<noscript><meta http-equiv=\"refresh\" content=\"30\"></noscript>",
         Page::Event => "<script src=\"/player.js\" defer></script>",
-        Page::Explain | Page::Look => "",
+        // Nobody loses what they are typing: only while a task runs.
+        Page::Engineer | Page::Job if engineer::is_running(board) => {
+            "<noscript><meta http-equiv=\"refresh\" content=\"5\"></noscript>"
+        }
+        Page::Explain | Page::Engineer | Page::Job | Page::Look => "",
     });
     if address.page == Page::Worker && address.sound == "on" {
         html.raw("<script src=\"/sound.js\" defer></script>");
@@ -72,6 +80,8 @@ pub(crate) fn whole(
         Page::Technician => technician::draw_whole(&mut html, board, words, address, visitor),
         Page::Event => event::draw_whole(&mut html, board, words, address, visitor, film),
         Page::Explain => explain::draw(&mut html, board, words, address),
+        Page::Engineer => engineer::draw_whole(&mut html, board, words, address, visitor),
+        Page::Job => job::draw_whole(&mut html, board, words, address, visitor),
         Page::Look => look::draw_whole(&mut html, board, words, address),
     }
     links(&mut html, board, (lang, words), address, visitor);
@@ -99,7 +109,14 @@ fn links(html: &mut Html, board: &Board, (own, words): (&str, &Table), address: 
     html.raw("<footer>");
     if !board.settings.is_look {
         html.raw("<nav aria-label=\"").text(words.say("label.pages")).raw("\">");
-        for (page, key) in [(Page::Worker, "label.worker"), (Page::Technician, "label.technician")] {
+        let pages = [
+            (Page::Worker, "label.worker"),
+            (Page::Technician, "label.technician"),
+            (Page::Engineer, "label.engineer"),
+        ];
+        // From where people work nothing leads to it.
+        let count = if address.page == Page::Worker { 2 } else { 3 };
+        for (page, key) in pages.into_iter().take(count) {
             html.raw("<a");
             link(html, &address.on(page), words.say(key), page == address.page);
         }

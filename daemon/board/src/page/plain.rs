@@ -32,10 +32,11 @@ pub(crate) fn login(board: &Board, address: &Address, refused: Option<Refused>) 
     })
 }
 
-/// Says one thing, and leads back.
-pub(crate) fn notice(board: &Board, address: &Address, key: &str) -> String {
+/// Says one thing, and why in the words of the line, and leads back.
+pub(crate) fn notice(board: &Board, address: &Address, key: &str, why: &str) -> String {
     plain(board, address, "", |html, words| {
-        html.element("<p class=\"now check\" role=\"alert\">", words.say(key), "</p>");
+        html.element("<p class=\"now check\" role=\"alert\">", words.say(key), " ");
+        html.element("<span lang=\"en\">", why, "</span></p>");
         html.raw("<p class=\"turns\"><a href=\"").text(&address.link()).raw("\">");
         html.text(words.say("confirm.back")).raw("</a></p></main>");
     })

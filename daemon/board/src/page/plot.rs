@@ -23,6 +23,25 @@ pub(super) fn measure(html: &mut Html, [measured, shown_min, shown_max]: [f32; 3
         .raw(" 0v16\"/></svg>");
 }
 
+/// Draws what each run measured as a line, over what is right as a bar. Beside it stands the range in words.
+pub(super) fn runs(html: &mut Html, values: &[f32], [min, max]: [f32; 2]) {
+    let ends = values.iter().copied().chain([min, max]).filter(|value| value.is_finite());
+    let (from, to) =
+        ends.fold((f32::INFINITY, f32::NEG_INFINITY), |(from, to), end| (from.min(end), to.max(end)));
+    if !(from.is_finite() && to > from) {
+        return;
+    }
+    let at = |value: f32| EDGE + (WIDTH - 2.0 * EDGE) * (value.clamp(from, to) - from) / (to - from);
+    let (left, right) = (at(min), at(max));
+    html.raw("<svg class=\"plot\" viewBox=\"0 0 100 16\" aria-hidden=\"true\"><rect class=\"shown\" y=\"4\" height=\"8\" x=\"");
+    html.text(&format!("{left:.1}")).raw("\" width=\"").text(&format!("{:.1}", (right - left).max(1.0)));
+    html.raw("\"/>");
+    for value in values.iter().filter(|value| value.is_finite()) {
+        html.raw("<path class=\"measured\" d=\"M").text(&format!("{:.1}", at(*value))).raw(" 0v16\"/>");
+    }
+    html.raw("</svg>");
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -41,6 +60,17 @@ mod tests {
         assert!(above.contains("x=\"3.0\" width=\"47.0\"") && above.contains("M97.0 0"), "{above}");
         let once = drawn([4.0, 6.0, 6.0]);
         assert!(once.contains("x=\"97.0\" width=\"1.0\""), "{once}");
+    }
+
+    #[test]
+    fn each_run_is_a_line_over_what_is_right() {
+        let mut html = Html::default();
+        runs(&mut html, &[4.0, 5.0, 5.5], [4.0, f32::INFINITY]);
+        let drawn = html.finish();
+        assert!(drawn.contains("x=\"3.0\" width=\"94.0\"") && drawn.matches("M").count() == 3, "{drawn}");
+        let mut html = Html::default();
+        runs(&mut html, &[f32::NAN, 4.0], [f32::NEG_INFINITY, f32::INFINITY]);
+        assert_eq!(html.finish(), "");
     }
 
     #[test]

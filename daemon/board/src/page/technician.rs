@@ -56,7 +56,7 @@ pub(super) fn draw_whole(
 }
 
 /// The state of the line in a sentence.
-fn line(html: &mut Html, board: &Board, words: &Table) {
+pub(super) fn line(html: &mut Html, board: &Board, words: &Table) {
     let state = state(board);
     let (key, style) = state.keys();
     html.raw("<section id=\"line\"><h1>")
@@ -78,7 +78,7 @@ fn line(html: &mut Html, board: &Board, words: &Table) {
     html.raw("</section>");
 }
 
-fn picture(html: &mut Html, words: &Table, address: &Address) {
+pub(super) fn picture(html: &mut Html, words: &Table, address: &Address) {
     html.raw("<figure><img id=\"picture\" src=\"/picture.svg?lang=").text(&address.lang).raw("\" alt=\"");
     html.text(words.say("picture.alt")).raw("\" data-none=\"").text(words.say("picture.none")).raw("\">");
     html.element("<figcaption>", words.say("picture.legend"), "</figcaption></figure>");
@@ -103,7 +103,7 @@ fn roles(html: &mut Html, board: &Board, words: &Table, address: &Address) {
     html.element("\">", words.say("label.codes"), "</a></p></section>");
 }
 
-fn heads(html: &mut Html, words: &Table, columns: &[&str]) {
+pub(super) fn heads(html: &mut Html, words: &Table, columns: &[&str]) {
     for column in columns {
         html.element("<th scope=\"col\">", words.say(&format!("label.{column}")), "</th>");
     }
@@ -140,7 +140,7 @@ fn numbers(health: &Health, words: &Table) -> [String; 5] {
     ]
 }
 
-fn is_silent(health: &Health, now_ns: u64) -> bool {
+pub(super) fn is_silent(health: &Health, now_ns: u64) -> bool {
     let deadline_ns = SILENT_NS.max(u64::from(health.deadline_ms) * 1_000_000);
     now_ns.saturating_sub(health.stamp.sent_ns) > deadline_ns
 }

@@ -6,7 +6,7 @@ use std::net::{Ipv4Addr, TcpStream};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use andon_board::{Asked, Board, Logins, NoFilm, Rank, Settings, Wanted};
+use andon_board::{Asked, Board, Logins, NoFilm, Order, Rank, Settings, Wanted};
 use andon_http::{Offer, Response, Server};
 use shm_schemas::{Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
 
@@ -23,6 +23,7 @@ pub(crate) struct Plant {
     pub(crate) now_ns: AtomicU64,
     pub(crate) logins: Mutex<Logins>,
     pub(crate) asked: Mutex<Vec<Asked>>,
+    pub(crate) orders: Mutex<Vec<Order>>,
     pub(crate) board: Mutex<Board>,
 }
 
@@ -31,13 +32,14 @@ pub(crate) fn served_at(bind: Ipv4Addr, test: impl FnOnce(&Plant)) {
     let offer = Offer { takes_forms: true, tls: None };
     let server = Server::bind_with((Ipv4Addr::LOCALHOST, 0).into(), offer).unwrap();
     let port = server.address().port();
-    let mut board = Board::new(Settings::new("bench1", bind.into(), port));
+    let mut board = Board::new(Settings { takes_orders: true, ..Settings::new("bench1", bind.into(), port) });
     board.verdict(&fault(4));
     let plant = Plant {
         port,
         now_ns: AtomicU64::new(SECOND_NS),
         logins: Mutex::default(),
         asked: Mutex::default(),
+        orders: Mutex::default(),
         board: Mutex::new(board),
     };
     for rank in Rank::ALL {
@@ -77,6 +79,10 @@ impl Plant {
                 _ => ask.answer(Response::text(404, "there is none\n")),
             }
         }
+        for fetch in board.take_fetches() {
+            fetch.answer(Response::text(404, "there is none\n"));
+        }
+        self.orders.lock().unwrap().extend(board.take_orders());
         for asked in board.take_asked() {
             self.asked.lock().unwrap().push(asked);
         }

@@ -2,7 +2,7 @@
 //!
 //! Nothing waits for it: the line goes on without it as before. What the pages show is made by the crate `andon-board`. This role feeds it with the
 //! channels, the journal, the names in the job in force, and the clock. It writes no file: what somebody who has logged in asks for goes over a channel
-//! to the role that may do it.
+//! to the role that may do it, `journal` or `executor`.
 //!
 //! As in `metrics`, the server reads and writes in a thread of its own, and the loop answers. A disk may be slow, so the journal and clips are read in
 //! threads as well, and passwords are compared in one.
@@ -10,6 +10,7 @@
 mod camera;
 mod confirm;
 mod door;
+mod engineer;
 mod films;
 mod past;
 mod seen;
@@ -31,6 +32,7 @@ use andon_record::store;
 use camera::Camera;
 use confirm::Confirmer;
 use door::Door;
+use engineer::Engineer;
 use films::Films;
 use jiff::{Timestamp, Zoned};
 use past::PastReader;
@@ -80,6 +82,7 @@ struct Pages<'c> {
     films: Films,
     door: Door,
     confirmer: Confirmer,
+    engineer: Engineer,
     line: LineHealth,
     /// Since when the line starts.
     starting: Option<Instant>,
@@ -97,7 +100,8 @@ impl Role for Pages<'_> {
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {
         let own: [&mut dyn Port; 3] = [&mut self.verdicts, &mut self.judging, &mut self.health];
-        own.into_iter().chain(self.camera.ports()).chain(self.confirmer.ports()).collect()
+        let asked = self.confirmer.ports().into_iter().chain(self.engineer.ports());
+        own.into_iter().chain(self.camera.ports()).chain(asked).collect()
     }
 
     fn patience(&self) -> Duration {
@@ -117,6 +121,10 @@ impl Role for Pages<'_> {
         }
         self.door.turn(&mut self.board);
         self.confirmer.turn(cycle, &mut self.board)?;
+        if self.engineer.turn(cycle, &mut self.board)? {
+            // They are read again with the next word of the judge.
+            self.job = None;
+        }
         self.films.turn(&mut self.board);
         self.board.publish(now.nanoseconds());
         let board = &mut self.board;
@@ -152,6 +160,7 @@ impl<'c> Pages<'c> {
             camera: Camera::new(config),
             door,
             confirmer: Confirmer::new(config.journal_path(), Auditor::open(node)?, node.reader()?),
+            engineer: Engineer::open(node, config)?,
             films: Films::new(config),
             line: LineHealth::new(config),
             starting: None,
@@ -276,6 +285,7 @@ fn settings(config: &Config) -> Result<Settings, RoleError> {
         language: config.board.language.clone(),
         picture: config.board.picture,
         is_look: false,
+        takes_orders: config.executor.enable,
         roles: config.roles(),
         codes: code::ALL.iter().map(|code| told(code)).collect(),
         code_of: |verdict| code_of(&wire::verdict::read(verdict)?).map(|code| code.number),

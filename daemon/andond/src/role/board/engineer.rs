@@ -1,0 +1,303 @@
+//! What an engineer orders and sees: tasks go to the role `executor`, what it prints comes back, and files are read in a thread.
+//!
+//! The board writes nothing here either. Which jobs, recordings and files there are, a thread looks up while somebody looks at the pages.
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::{Builder, JoinHandle};
+use std::time::{Duration, Instant};
+
+use andon_board::{Board, Fetch, Known, KnownJob, MadeFile, Measured, Order, Ordered, Version};
+use andon_core::bounds::{Bounds, Range};
+use andon_host::config::Config;
+use andon_host::role::{Cycle, Output};
+use andon_http::Response;
+use andon_ipc::{MonotonicTime, Node, Port, Reader, Writer};
+use andon_learn::job_file::{JobFile, TaughtIu};
+use shm_schemas::{Printed, PrintedState, Showing, Task, TaskKind, VerdictMeasure};
+
+use super::super::{RoleError, jobs};
+use super::is_due;
+use crate::made::{Made, hash_of};
+
+/// An executor that runs answers within one turn. It is less than a browser waits for.
+const PATIENCE: Duration = Duration::from_secs(3);
+
+/// How often it is looked which files there are, while somebody looks at them.
+const LOOK: Duration = Duration::from_secs(1);
+
+/// Browsers that wait for the thread.
+const WAITING: usize = 16;
+
+/// No file that the commands make is larger.
+const LARGEST: u64 = 32 << 20;
+
+/// Two reversals are a stroke.
+const PER_STROKE: f32 = 2.0;
+
+/// Between a style of a report and the rest of it.
+const STYLE: [&str; 2] = ["<style>", "</style>"];
+
+/// All that somebody has ordered and not been answered.
+pub(super) struct Engineer {
+    made: Made,
+    is_enabled: bool,
+    tasks: Output<Writer<Task>>,
+    printed: Reader<Printed>,
+    waiting: Vec<(Order, u64, Instant)>,
+    looked: Option<Instant>,
+    search: Option<JoinHandle<Known>>,
+    fetches: Option<SyncSender<Fetch>>,
+}
+
+impl Engineer {
+    pub(super) fn open(node: &Node, config: &Config) -> Result<Self, andon_ipc::Error> {
+        Ok(Self {
+            made: Made::new(config),
+            is_enabled: config.executor.enable,
+            tasks: Output::beside(node.writer()?),
+            printed: node.reader()?,
+            waiting: Vec::new(),
+            looked: None,
+            search: None,
+            fetches: None,
+        })
+    }
+
+    pub(super) fn ports(&mut self) -> [&mut dyn Port; 2] {
+        [self.tasks.port(), &mut self.printed]
+    }
+
+    /// Sends what was ordered, and gives the board what has come. True where the steps of a job may have other names now.
+    pub(super) fn turn(&mut self, cycle: &mut Cycle<'_>, board: &mut Board) -> Result<bool, RoleError> {
+        for order in board.take_orders() {
+            self.order(cycle, board, order)?;
+        }
+        let mut is_renamed = false;
+        while let Some(printed) = self.printed.take()? {
+            self.hear(board, &printed);
+            let is = |kind: TaskKind, state: PrintedState| (kind.code(), state.code());
+            is_renamed |= (printed.kind, printed.state) == is(TaskKind::Name, PrintedState::Done);
+            board.printed(&printed);
+        }
+        self.give_up(board);
+        for fetch in board.take_fetches() {
+            self.fetch(fetch);
+        }
+        self.look(board);
+        Ok(is_renamed)
+    }
+
+    fn order(&mut self, cycle: &mut Cycle<'_>, board: &mut Board, order: Order) -> Result<(), RoleError> {
+        // A clock that counts nanoseconds gives no two orders of a person the same number.
+        let number = MonotonicTime::now().nanoseconds();
+        let mut task = Task { number, kind: order.kind.code(), flags: order.flags, ..Task::default() };
+        task.showing = order.showing.map_or(0, Showing::code);
+        if !task.say(&order.login, &order.name, &order.text) {
+            board.answer_order(order, &Ordered::Refused("a name or a text is too long".to_owned()));
+            return Ok(());
+        }
+        self.tasks.send(cycle, |message| *message = Task { stamp: message.stamp, ..task })?;
+        self.waiting.push((order, number, Instant::now()));
+        Ok(())
+    }
+
+    fn hear(&mut self, board: &mut Board, printed: &Printed) {
+        let Some(place) = self.waiting.iter().position(|(_, number, _)| *number == printed.task) else {
+            return;
+        };
+        let (order, ..) = self.waiting.remove(place);
+        let ordered = match PrintedState::try_from(printed.state) {
+            Ok(PrintedState::Refused) => Ordered::Refused(printed.text().to_owned()),
+            _ => Ordered::Taken,
+        };
+        board.answer_order(order, &ordered);
+    }
+
+    fn give_up(&mut self, board: &mut Board) {
+        let is_over = |(_, _, since): &mut (Order, u64, Instant)| since.elapsed() > PATIENCE;
+        for (order, ..) in self.waiting.extract_if(.., is_over) {
+            board.answer_order(order, &Ordered::Unheard);
+        }
+    }
+
+    /// Begins to look which files there are where somebody looks at them, and takes what was found.
+    fn look(&mut self, board: &mut Board) {
+        if let Some(Ok(known)) = self.search.take_if(|search| search.is_finished()).map(JoinHandle::join) {
+            board.known(known);
+        }
+        if self.is_enabled && self.search.is_none() && board.is_engineered() && is_due(&mut self.looked, LOOK)
+        {
+            let made = self.made.clone();
+            // Without a thread it is looked the next time.
+            self.search = Builder::new().name("desk".into()).spawn(move || known(&made)).ok();
+        }
+    }
+
+    fn fetch(&mut self, fetch: Fetch) {
+        if self.fetches.is_none() {
+            let (send, fetches) = sync_channel(WAITING);
+            let made = self.made.clone();
+            let started = Builder::new().name("made".into()).spawn(move || serve(&made, &fetches));
+            self.fetches = started.is_ok().then_some(send);
+        }
+        if let Some(fetches) = &self.fetches {
+            // Who finds no place is told by the server that nobody answers.
+            let _ = fetches.try_send(fetch);
+        }
+    }
+}
+
+fn known(made: &Made) -> Known {
+    let paths = jobs::job_files(made.jobs()).unwrap_or_default();
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    Known {
+        jobs: paths.iter().map(|path| job(made, path)).collect(),
+        films: made.films().iter().map(|path| name(path)).collect(),
+        stations: made.stations().iter().map(|path| stem(path)).collect(),
+        has_markers: made.markers_pdf().is_file(),
+        has_seen: made.seen().is_file(),
+        has_calibrated: made.calibrated().is_file(),
+    }
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn job(made: &Made, path: &Path) -> KnownJob {
+    let name = stem(path);
+    let file = match jobs::read(path) {
+        Ok(file) => file,
+        Err(fault) => return KnownJob { name, fault: fault.to_string(), ..KnownJob::default() },
+    };
+    let own = version(&file);
+    let versions = made.versions(&name).into_iter().filter_map(|path| jobs::read(&path).ok());
+    let mut earlier: Vec<Version> = versions.map(|file| version(&file)).collect();
+    earlier.retain(|version| version.hash != own.hash);
+    earlier.sort_by(|one, other| other.date.cmp(&one.date));
+    KnownJob {
+        fault: String::new(),
+        number: file.id,
+        title: file.name.clone(),
+        version: own,
+        steps: (0..file.steps.len()).map(|step| file.step_name(step)).collect(),
+        runs: file.provenance.sources.iter().map(|source| source.name.clone()).collect(),
+        measured: measured(&file),
+        earlier,
+        has_report: made.report(&name).is_file(),
+        name,
+    }
+}
+
+/// What the runs measured, step by step: how long, how many strokes and how far, in the unit of the verdicts.
+fn measured(file: &JobFile) -> Vec<Measured> {
+    let rate_hz = file.method.rate_hz;
+    let of_iu = |step: u16, iu: &TaughtIu| {
+        let Some(shown) = iu.shown.clone() else { return Vec::new() };
+        let counted = |Bounds { min, max }: Bounds, per: f32| {
+            [min as f32 / per, if max == u32::MAX { f32::INFINITY } else { max as f32 / per }]
+        };
+        let each = |values: Vec<f32>, per: f32| values.iter().map(|value| value / per).collect();
+        let Range { min, max } = iu.measures.path_m;
+        [
+            (VerdictMeasure::Duration, each(shown.frames, rate_hz), counted(iu.frames, rate_hz)),
+            (VerdictMeasure::Strokes, each(shown.reversals, PER_STROKE), counted(iu.reversals, PER_STROKE)),
+            (VerdictMeasure::Path, shown.path_m, [min, max]),
+        ]
+        .map(|(measure, values, right)| Measured { step, measure, values, right })
+        .into()
+    };
+    let ius = file.activities.iter().flat_map(|taught| taught.ius.iter().map(|iu| (taught.activity, iu)));
+    let of_all = ius.flat_map(|(step, iu)| of_iu(step, iu));
+    // Where nobody moves to and fro there are no strokes.
+    of_all.filter(|measured| measured.values.last().is_some_and(|most| *most > 0.0)).collect()
+}
+
+fn version(file: &JobFile) -> Version {
+    Version {
+        hash: hash_of(file),
+        date: file.provenance.date.clone(),
+        runs: file.provenance.sources.iter().filter(|source| !source.left_out).count(),
+        steps: file.steps.len(),
+    }
+}
+
+/// Answers until the role has ended.
+fn serve(made: &Made, fetches: &Receiver<Fetch>) {
+    for fetch in fetches {
+        let response = response(made, &fetch.file);
+        fetch.answer(response.unwrap_or_else(|| Response::text(404, "there is no such file, or not yet\n")));
+    }
+}
+
+/// What a browser gets; `None` where there is no such file.
+fn response(made: &Made, file: &MadeFile) -> Option<Response> {
+    Some(match file {
+        MadeFile::Report(job) => {
+            let style = format!("<link rel=\"stylesheet\" href=\"/engineer/made/report.css?at={job}\">");
+            let (page, _) = report(made, job)?;
+            Response::ok("text/html; charset=utf-8", page.replacen("<body>", &(style + "<body>"), 1))
+        }
+        MadeFile::Style(job) => {
+            let (_, style) = report(made, job)?;
+            Response::ok("text/css; charset=utf-8", style)
+        }
+        MadeFile::Station(name) => {
+            let path = made.stations().into_iter().find(|path| stem(path) == *name)?;
+            Response::ok("text/plain; charset=utf-8", read(&path)?)
+        }
+        MadeFile::Markers => Response::ok("application/pdf", read(&made.markers_pdf())?),
+        MadeFile::Seen => Response::ok("image/jpeg", read(&made.seen())?),
+        MadeFile::Calibrated => Response::ok("image/jpeg", read(&made.calibrated())?),
+    })
+}
+
+/// The report of a job without its styles, and these. The policy of the board takes no style in a page; the picture in a report has one as well.
+fn report(made: &Made, job: &str) -> Option<(String, String)> {
+    // A name of another form is that of no job, and would be a path.
+    let name = Some(job).filter(|job| crate::made::is_name(job))?;
+    let text = String::from_utf8(read(&made.report(name))?).ok()?;
+    let (mut page, mut styles) = (String::new(), String::new());
+    let mut rest = text.as_str();
+    while let Some((before, from)) = rest.split_once(STYLE[0]) {
+        let (style, after) = from.split_once(STYLE[1])?;
+        page += before;
+        styles += style;
+        rest = after;
+    }
+    Some((page + rest, styles))
+}
+
+fn read(path: &Path) -> Option<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path).ok()?.take(LARGEST).read_to_end(&mut bytes).ok()?;
+    Some(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_report_is_served_with_its_style_apart_and_no_name_leads_out_of_its_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut config = Config::default();
+        config.executor.path = Some(folder.path().into());
+        let made = Made::new(&config);
+        std::fs::create_dir(folder.path().join("reports")).unwrap();
+        let page =
+            "<html><style>h1{color:red}</style><body>steps<svg><style>.a{}</style></svg></body></html>";
+        std::fs::write(made.report("polish"), page).unwrap();
+        std::fs::write(folder.path().join("secret.html"), page).unwrap();
+        let (page, style) = report(&made, "polish").unwrap();
+        assert_eq!(page, "<html><body>steps<svg></svg></body></html>");
+        assert_eq!(style, "h1{color:red}.a{}");
+        for name in ["", "other", "../secret", ".."] {
+            assert!(report(&made, name).is_none(), "{name}");
+        }
+    }
+}

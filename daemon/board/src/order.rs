@@ -1,0 +1,205 @@
+//! What an engineer orders on the board. The role sends it to the line, and says what became of it.
+
+use andon_http::{Later, Response};
+use shm_schemas::{Showing, TASK_NAME_BYTES, TASK_TEXT_BYTES, TaskKind, task_flag};
+
+use crate::access::Visitor;
+use crate::address::Address;
+use crate::answer::HTML;
+use crate::board::Board;
+use crate::form::Form;
+use crate::page;
+
+/// Orders that wait for the line.
+const WAITING: usize = 8;
+
+/// A task that somebody orders.
+#[derive(Debug)]
+pub struct Order {
+    /// The name of the login.
+    pub login: String,
+    /// What is to be done.
+    pub kind: TaskKind,
+    /// The job, where there is one.
+    pub name: String,
+    /// What else is to be said.
+    pub text: String,
+    /// Bits of [`task_flag`].
+    pub flags: u8,
+    /// What an answer answers.
+    pub showing: Option<Showing>,
+    address: Address,
+    later: Later,
+}
+
+/// What became of an order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Ordered {
+    /// It has begun, or was passed on.
+    Taken,
+    /// It is not done, for this reason.
+    Refused(String),
+    /// The role that does it does not answer.
+    Unheard,
+}
+
+/// What a form asks for.
+#[derive(Debug, PartialEq, Eq)]
+struct Asked {
+    kind: TaskKind,
+    name: String,
+    text: String,
+    flags: u8,
+    showing: Option<Showing>,
+}
+
+impl Asked {
+    /// `None` where it asks for nothing that there is.
+    fn read(form: &Form) -> Option<Self> {
+        let lines = |key| form.all(key).collect::<Vec<_>>().join("\n");
+        let job = || form.get("job").to_owned();
+        let of = |kind, name: String, text: String| Self { kind, name, text, flags: 0, showing: None };
+        let mut asked = match form.get("do") {
+            "live" => of(TaskKind::TeachLive, job(), form.get("count").to_owned()),
+            "films" => of(TaskKind::TeachFilms, job(), lines("film")),
+            "again" => of(TaskKind::TeachAgain, job(), String::new()),
+            "name" => of(TaskKind::Name, job(), lines("step")),
+            "markers" => of(TaskKind::Markers, String::new(), String::new()),
+            "look" => of(TaskKind::Look, String::new(), String::new()),
+            "calibrate" => {
+                let text = format!("{}\n{}", form.get("side"), lines("marker"));
+                of(TaskKind::Calibrate, String::new(), text)
+            }
+            "new" => {
+                let text = format!("{}\n{}", form.get("camera"), lines("part"));
+                of(TaskKind::New, form.get("station").to_owned(), text)
+            }
+            "stop" => of(TaskKind::Stop, String::new(), String::new()),
+            "" => Self::of_button(form)?,
+            _ => return None,
+        };
+        for (key, flag) in
+            [("force", task_flag::FORCE), ("add", task_flag::ADD), ("pictures", task_flag::PICTURES)]
+        {
+            asked.flags |= if form.get(key).is_empty() { 0 } else { flag };
+        }
+        let fits = asked.name.len() <= TASK_NAME_BYTES && asked.text.len() <= TASK_TEXT_BYTES;
+        fits.then_some(asked)
+    }
+
+    /// What a button of a list asks for: its value names the job, and what of it.
+    fn of_button(form: &Form) -> Option<Self> {
+        const BUTTONS: [(&str, TaskKind); 5] = [
+            ("load", TaskKind::Load),
+            ("whatif", TaskKind::Whatif),
+            ("back", TaskKind::RollBack),
+            ("without", TaskKind::Without),
+            ("answer", TaskKind::Answer),
+        ];
+        let (value, kind) = BUTTONS.into_iter().find_map(|(key, kind)| {
+            let value = form.get(key);
+            (!value.is_empty()).then_some((value, kind))
+        })?;
+        let (name, text) = value.split_once('/').unwrap_or((value, ""));
+        if kind != TaskKind::Answer {
+            return Some(Self {
+                kind,
+                name: name.to_owned(),
+                text: text.to_owned(),
+                flags: 0,
+                showing: None,
+            });
+        }
+        let showing = Showing::ALL.iter().copied().find(|showing| showing.name() == name)?;
+        let (name, text) = (String::new(), text.to_owned());
+        Some(Self { kind, name, text, flags: 0, showing: Some(showing) })
+    }
+}
+
+impl Board {
+    pub(crate) fn order(&mut self, form: &Form, visitor: &Visitor, address: Address) -> Response {
+        let (Some(asked), Some(session)) = (Asked::read(form), &visitor.session) else {
+            return Response::text(400, "the form asks for nothing that there is, or for too much at once\n");
+        };
+        if !self.settings.takes_orders {
+            return Response::ok(HTML, page::notice(self, &address, "engineer.off", "")).with_status(409);
+        }
+        if self.desk.orders.len() >= WAITING {
+            return Response::text(503, "too many orders wait; try again\n");
+        }
+        let (response, later) = Response::later();
+        let Asked { kind, name, text, flags, showing } = asked;
+        let login = session.login.name.clone();
+        self.desk.orders.push(Order { login, kind, name, text, flags, showing, address, later });
+        response
+    }
+
+    /// What engineers have ordered. [`Board::answer_order`] takes what became of each.
+    pub fn take_orders(&mut self) -> Vec<Order> {
+        std::mem::take(&mut self.desk.orders)
+    }
+
+    /// Tells who has ordered it what became of it.
+    pub fn answer_order(&mut self, order: Order, ordered: &Ordered) {
+        let Order { address, later, .. } = order;
+        let told = |key, status, why: &str| {
+            Response::ok(HTML, page::notice(self, &address, key, why)).with_status(status)
+        };
+        let response = match ordered {
+            Ordered::Taken => Response::see(&address.link()),
+            Ordered::Refused(why) => told("engineer.refused", 409, why),
+            Ordered::Unheard => told("engineer.unheard", 503, ""),
+        };
+        later.send(response);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn asked(form: &str) -> Option<(TaskKind, String, String, u8)> {
+        let Asked { kind, name, text, flags, .. } = Asked::read(&Form::read(form.as_bytes()))?;
+        Some((kind, name, text, flags))
+    }
+
+    fn task(kind: TaskKind, name: &str, text: &str, flags: u8) -> Option<(TaskKind, String, String, u8)> {
+        Some((kind, name.to_owned(), text.to_owned(), flags))
+    }
+
+    #[test]
+    fn a_form_asks_for_one_task() {
+        assert_eq!(asked("do=live&job=polish&count=5"), task(TaskKind::TeachLive, "polish", "5", 0));
+        assert_eq!(
+            asked("do=films&job=polish&film=a.mp4&film=b.mp4&force=1&pictures=1"),
+            task(TaskKind::TeachFilms, "polish", "a.mp4\nb.mp4", task_flag::FORCE | task_flag::PICTURES)
+        );
+        assert_eq!(
+            asked("do=name&job=polish&step=Polish+it&step=Measure"),
+            task(TaskKind::Name, "polish", "Polish it\nMeasure", 0)
+        );
+        assert_eq!(asked("load=polish"), task(TaskKind::Load, "polish", "", 0));
+        assert_eq!(asked("back=polish/07"), task(TaskKind::RollBack, "polish", "07", 0));
+        assert_eq!(asked("do=stop"), task(TaskKind::Stop, "", "", 0));
+        let answer = Asked::read(&Form::read(b"answer=keep/t")).unwrap();
+        assert_eq!((answer.text.as_str(), answer.showing), ("t", Some(Showing::Keep)));
+        let end = Asked::read(&Form::read(b"answer=run/")).unwrap();
+        assert_eq!((end.text.as_str(), end.showing), ("", Some(Showing::Run)));
+    }
+
+    #[test]
+    fn what_is_no_task_or_too_long_asks_for_nothing() {
+        let long = "x".repeat(TASK_TEXT_BYTES);
+        for form in [
+            "",
+            "do=delete",
+            "load=",
+            "answer=never/k",
+            &format!("load={long}"),
+            &format!("do=name&job=polish&step={long}&step={long}"),
+        ] {
+            assert_eq!(asked(form), None, "{form}");
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! One job: its versions, what it was taught from, its report, what its steps are called, and what its runs measured.
+
+use shm_schemas::VerdictMeasure;
+
+use super::engineer::{button, check, ends, is_in_force, order_form, task};
+use super::plot;
+use super::technician::heads;
+use crate::access::Visitor;
+use crate::address::{Address, Page};
+use crate::board::Board;
+use crate::desk::{KnownJob, Measured, Version};
+use crate::html::Html;
+use crate::told::number;
+use crate::words::Table;
+
+/// What changes.
+pub(super) fn draw(html: &mut Html, board: &Board, words: &Table, address: &Address) {
+    task(html, board, words);
+    versions(html, board, words, address);
+    if let Some(job) = readable(board, address) {
+        names(html, words, job);
+        measured(html, words, job);
+    }
+}
+
+/// The job of the page, if there is one and it has no fault.
+fn readable<'b>(board: &'b Board, address: &Address) -> Option<&'b KnownJob> {
+    board.desk.job(&address.at).filter(|job| job.fault.is_empty())
+}
+
+/// The whole page.
+pub(super) fn draw_whole(
+    html: &mut Html,
+    board: &Board,
+    words: &Table,
+    address: &Address,
+    visitor: &Visitor,
+) {
+    html.raw("<main><p class=\"turns\"><a href=\"");
+    let list = Address { at: String::new(), ..address.on(Page::Engineer) };
+    html.text(&list.link()).element("\">", words.say("engineer.back"), "</a></p>");
+    html.element("<h1>", words.say("label.job"), " ").element("", &address.at, "</h1>");
+    order_form(html, address, visitor);
+    draw(html, board, words, address);
+    form(html, "<form id=\"naming\" class=\"none\" ", address, visitor);
+    html.raw("</form>");
+    if readable(board, address).is_some() {
+        again(html, words, address, visitor);
+    }
+    html.raw("</main>");
+}
+
+/// What its steps are called. The names belong to a form that stands apart, so that new ones are drawn and nobody loses what they are typing.
+fn names(html: &mut Html, words: &Table, job: &KnownJob) {
+    html.element("<section id=\"names\"><h2>", words.say("engineer.names"), "</h2><div class=\"order\">");
+    for (number, name) in (1_u32..).zip(&job.steps) {
+        let number = number.to_string();
+        html.raw("<label for=\"s").text(&number).raw("\">");
+        html.text(&words.fill("label.step", &[("number", &number)]))
+            .raw("</label><input form=\"naming\" id=\"s");
+        html.text(&number).raw("\" name=\"step\" required maxlength=\"60\" value=\"").text(name).raw("\">");
+    }
+    html.element(
+        "<button form=\"naming\" name=\"do\" value=\"name\">",
+        words.say("engineer.save"),
+        "</button>",
+    );
+    html.raw("</div></section>");
+}
+
+/// What its runs measured, step by step, beside what is right.
+fn measured(html: &mut Html, words: &Table, job: &KnownJob) {
+    if job.measured.is_empty() {
+        return;
+    }
+    html.element("<section id=\"measured\"><h2>", words.say("engineer.measured"), "</h2><p>");
+    html.element("", words.say("engineer.measured_help"), "</p><div class=\"wide\"><table><thead><tr>");
+    heads(html, words, &["step_column", "measured", "shown", "runs"]);
+    html.raw("</tr></thead><tbody>");
+    for measured in &job.measured {
+        let step = usize::from(measured.step);
+        let name = job.steps.get(step).map_or("", String::as_str);
+        html.raw("<tr><th scope=\"row\">").text(&format!("{}. {name}", step + 1)).raw("</th><td>");
+        html.text(words.say(&format!("measure.{}", measured.measure.name()))).raw("</td><td>");
+        html.text(&shown(words, measured)).raw("</td><td>");
+        plot::runs(html, &measured.values, measured.right);
+        html.raw("</td></tr>");
+    }
+    html.raw("</tbody></table></div></section>");
+}
+
+/// From the least to the most that was shown, in words.
+fn shown(words: &Table, measured: &Measured) -> String {
+    let (Some(min), Some(max)) = (measured.values.first(), measured.values.last()) else {
+        return String::new();
+    };
+    let (per, decimals) = match measured.measure {
+        VerdictMeasure::Duration => (1.0, 1),
+        VerdictMeasure::Strokes => (1.0, 0),
+        _ => (100.0, 0),
+    };
+    let [min, max] = [min, max].map(|value| number(per * value, decimals, words));
+    let range = if min == max { max } else { words.fill("range.between", &[("min", &min), ("max", &max)]) };
+    words.fill(&format!("unit.{}", measured.measure.name()), &[("n", &range)])
+}
+
+/// Teaching it again with what people have said.
+fn again(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor) {
+    html.element("<section id=\"again\"><h2>", words.say("engineer.again"), "</h2>");
+    html.element("<p>", words.say("engineer.again_help"), "</p>");
+    form(html, "<form class=\"order\" ", address, visitor);
+    check(html, "force", words.say("engineer.doubts"));
+    html.element("<button name=\"do\" value=\"again\">", words.say("engineer.again"), "</button>");
+    html.raw("</form></section>");
+}
+
+/// A form about this job, which its caller ends.
+fn form(html: &mut Html, open: &'static str, address: &Address, visitor: &Visitor) {
+    html.raw(open).raw("method=\"post\" action=\"/engineer/order\">");
+    ends(html, address, visitor);
+    html.raw("<input type=\"hidden\" name=\"job\" value=\"").text(&address.at).raw("\">");
+}
+
+/// Its versions, its runs, and what can be asked of it.
+fn versions(html: &mut Html, board: &Board, words: &Table, address: &Address) {
+    html.raw("<section id=\"versions\">");
+    let Some(job) = board.desk.job(&address.at) else {
+        html.element("<p>", words.say("engineer.unknown"), "</p></section>");
+        return;
+    };
+    if !job.fault.is_empty() {
+        html.element("<p class=\"now check\" lang=\"en\">\u{25b2} ", &job.fault, "</p></section>");
+        return;
+    }
+    html.raw("<p class=\"keys\">");
+    button(html, "whatif", &job.name, words.say("engineer.whatif"));
+    if job.has_report {
+        html.raw("<a class=\"button\" href=\"/engineer/made/report.html?at=").text(&job.name).raw("\">");
+        html.text(words.say("engineer.report")).raw("</a>");
+    }
+    html.raw("</p>");
+    html.element("<h2>", words.say("engineer.versions"), "</h2><div class=\"wide\"><table><thead><tr>");
+    heads(html, words, &["version", "taught", "runs", "steps", "use"]);
+    html.raw("</tr></thead><tbody>");
+    version(html, board, words, job, &job.version, true);
+    for earlier in &job.earlier {
+        version(html, board, words, job, earlier, false);
+    }
+    html.raw("</tbody></table></div>");
+    html.element("<h2>", words.say("label.runs"), "</h2><div class=\"wide\"><table><tbody>");
+    for run in &job.runs {
+        html.element("<tr><th scope=\"row\">", run, "</th><td>");
+        button(html, "without", &format!("{}/{run}", job.name), words.say("engineer.without"));
+        html.raw("</td></tr>");
+    }
+    html.raw("</tbody></table></div></section>");
+}
+
+fn version(html: &mut Html, board: &Board, words: &Table, job: &KnownJob, version: &Version, is_own: bool) {
+    html.element("<tr><th scope=\"row\"><code>", &version.hash, "</code></th>");
+    html.element("<td>", &version.date, "</td>");
+    for number in [version.runs, version.steps] {
+        html.element("<td>", &number.to_string(), "</td>");
+    }
+    html.raw("<td>");
+    match (is_in_force(board, &version.hash), is_own) {
+        (true, _) => drop(html.element("\u{2713} ", words.say("engineer.in_force"), "")),
+        (false, true) => button(html, "load", &job.name, words.say("engineer.load")),
+        (false, false) => {
+            let value = format!("{}/{}", job.name, version.hash);
+            button(html, "back", &value, words.say("engineer.roll_back"));
+        }
+    }
+    html.raw("</td></tr>");
+}

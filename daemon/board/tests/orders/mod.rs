@@ -1,0 +1,99 @@
+//! What engineers order on the board, by forms over real sockets. The table of `safe.rs` says who may do so.
+
+use std::time::{Duration, Instant};
+
+use andon_board::{Known, KnownJob, Ordered, Version};
+use shm_schemas::{Printed, PrintedState, Task, TaskKind};
+
+use crate::answer::{header, status};
+use crate::plant::{PATIENCE, Plant, served};
+
+/// Waits for an order, and says what became of it.
+fn ordered(plant: &Plant, form: &str, ordered: &Ordered) -> (TaskKind, [String; 3], String) {
+    let session = plant.session("engineer");
+    let form = format!("{form}&csrf={}&to=engineer&lang=de", plant.csrf(&session));
+    std::thread::scope(|scope| {
+        let answer = scope.spawn(|| plant.post("/engineer/order", &session, &form));
+        let deadline = Instant::now() + PATIENCE;
+        let order = loop {
+            if let Some(order) = plant.orders.lock().unwrap().pop() {
+                break order;
+            }
+            assert!(Instant::now() < deadline, "nothing is ordered");
+            std::thread::sleep(Duration::from_millis(2));
+        };
+        let told = (order.kind, [order.login.clone(), order.name.clone(), order.text.clone()]);
+        plant.board.lock().unwrap().answer_order(order, ordered);
+        (told.0, told.1, answer.join().unwrap())
+    })
+}
+
+#[test]
+fn what_an_engineer_orders_goes_to_the_line_with_the_name_of_the_login_and_is_answered_by_what_became_of_it()
+{
+    served(|plant| {
+        let (kind, words, answer) = ordered(plant, "load=polish", &Ordered::Taken);
+        assert_eq!((kind, words), (TaskKind::Load, ["engineer", "polish", ""].map(str::to_owned)));
+        assert_eq!((status(&answer), header(&answer, "location")), (303, "/engineer?lang=de"));
+        let why = Ordered::Refused("another task is running <script>".to_owned());
+        let (kind, words, answer) = ordered(plant, "do=films&job=polish&film=a.mp4&film=b.mp4", &why);
+        assert_eq!(kind, TaskKind::TeachFilms);
+        assert_eq!(words, ["engineer", "polish", "a.mp4\nb.mp4"].map(str::to_owned));
+        assert_eq!(status(&answer), 409);
+        assert!(answer.contains("another task is running &lt;script&gt;"), "{answer}");
+        let (_, _, answer) = ordered(plant, "do=markers", &Ordered::Unheard);
+        assert!(status(&answer) == 503 && answer.contains("executor"), "{answer}");
+    });
+}
+
+#[test]
+fn an_order_that_is_none_or_too_long_is_refused_and_what_a_job_is_called_is_text() {
+    served(|plant| {
+        let session = plant.session("engineer");
+        let csrf = plant.csrf(&session);
+        let long = "x".repeat(600);
+        for form in [
+            "do=delete".to_owned(),
+            "do=".to_owned(),
+            "load=".to_owned(),
+            "answer=x/k".to_owned(),
+            format!("do=name&job=polish&step={long}"),
+            format!("load={long}"),
+        ] {
+            let answer = plant.post("/engineer/order", &session, &format!("{form}&csrf={csrf}"));
+            assert_eq!(status(&answer), 400, "{form}");
+        }
+        assert!(plant.orders.lock().unwrap().is_empty());
+        let markup = "\"><script>alert(1)</script>".to_owned();
+        let version = Version { hash: markup.clone(), date: markup.clone(), runs: 1, steps: 1 };
+        let job = KnownJob {
+            name: "polish".to_owned(),
+            title: markup.clone(),
+            version: version.clone(),
+            steps: vec![markup.clone()],
+            runs: vec![markup.clone()],
+            earlier: vec![version],
+            has_report: true,
+            ..KnownJob::default()
+        };
+        let broken = KnownJob { name: markup.clone(), fault: markup.clone(), ..KnownJob::default() };
+        let known = Known { jobs: vec![job, broken], films: vec![markup.clone()], ..Known::default() };
+        plant.board.lock().unwrap().known(known);
+        let mut task = Task { number: 1, kind: TaskKind::TeachLive.code(), ..Task::default() };
+        assert!(task.say(&markup, &markup, ""));
+        let mut printed = Printed { state: PrintedState::Line.code(), ..Printed::default() };
+        printed.of(&task);
+        printed.say(&markup);
+        plant.board.lock().unwrap().printed(&printed);
+        for address in ["/engineer", "/engineer/job?at=polish"] {
+            let page = plant.get(address, &session);
+            assert_eq!(status(&page), 200, "{page}");
+            assert!(page.contains("&lt;script&gt;alert") && !page.contains("<script>alert"), "{page}");
+        }
+        // No name leads to a file that the board does not know.
+        for path in ["/engineer/made/", "/engineer/made/../x", "/engineer/made/look.png", "/engineer/made/x"]
+        {
+            assert_eq!(status(&plant.get(path, &session)), 404, "{path}");
+        }
+    });
+}
