@@ -119,7 +119,9 @@ fn a_job_is_not_exchanged_while_a_piece_is_made() {
     assert_eq!(refused.status.code(), Some(1));
     let text = all_output(&refused);
     assert!(
-        text.contains("job 2 \"job\" was not loaded: A job is running. Wait for its end: andond idle"),
+        text.contains(
+            "job 2 \"job\" was not loaded: A job is running. Wait for its end: andond use --when-idle"
+        ),
         "{text}"
     );
 }

@@ -219,6 +219,9 @@ pub struct Use {
     /// The job: its name, its number or its file, as `andond jobs` lists them
     #[arg(value_name = "NAME|NUMBER|FILE")]
     pub job: String,
+    /// Wait until no job is running, for so many seconds at most
+    #[arg(long, value_name = "SECONDS")]
+    pub when_idle: Option<u32>,
 }
 
 /// `andond name`

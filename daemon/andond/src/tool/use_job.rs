@@ -1,5 +1,7 @@
 //! `andond use`: loads a job into a running station. The judge does it, or says why not.
 
+use std::time::{Duration, Instant};
+
 use andon_host::exit::Code;
 use shm_schemas::{CommandKind, Refusal};
 
@@ -8,6 +10,9 @@ use super::tell::tell;
 use super::{ToolError, job, running_config};
 use crate::cli::Use;
 use crate::compatibility;
+
+/// How soon a job is asked for again while another one runs: pieces may follow each other without much of a pause.
+const AGAIN: Duration = Duration::from_millis(200);
 
 /// Runs the command; it ends when the judge has the job.
 ///
@@ -20,10 +25,18 @@ pub fn run(arguments: &Use) -> Result<Code, ToolError> {
         .map_err(|misfit| ToolError::Misfit { path: job.path.clone(), misfit })?;
     let node = join(&config)?;
     let (id, name, hash) = (job.file.id, &job.file.name, job.hash);
-    let answer = tell(&node, |message| {
-        message.kind = CommandKind::LoadJob.code();
-        (message.job_id, message.model_hash) = (id, hash);
-    })?;
+    let began = Instant::now();
+    let patience = Duration::from_secs(arguments.when_idle.unwrap_or(0).into());
+    let answer = loop {
+        let answer = tell(&node, |message| {
+            message.kind = CommandKind::LoadJob.code();
+            (message.job_id, message.model_hash) = (id, hash);
+        })?;
+        let is_busy = matches!(answer, Some((Refusal::Busy, _)));
+        if !is_busy || began.elapsed() >= patience || node.stop().wait(AGAIN) {
+            break answer;
+        }
+    };
     match answer {
         Some((Refusal::None, judging)) => {
             println!(
@@ -45,7 +58,7 @@ pub fn run(arguments: &Use) -> Result<Code, ToolError> {
 /// What to do about a refusal, where there is something.
 fn remedy(refusal: Refusal) -> &'static str {
     match refusal {
-        Refusal::Busy => " Wait for its end: andond idle && andond use ...",
+        Refusal::Busy => " Wait for its end: andond use --when-idle 300 ...",
         Refusal::JobOfPlc => " Let it load this one.",
         Refusal::Ambiguous => " `andond jobs` lists them.",
         _ => "",
