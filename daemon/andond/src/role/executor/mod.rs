@@ -16,7 +16,6 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use andon_host::config::Config;
-use andon_host::exit::Code;
 use andon_host::log::{code, log};
 use andon_host::role::{Cycle, Output, Role, Turn, WAIT};
 use andon_ipc::{Node, Port, Reader, Writer};
@@ -167,9 +166,7 @@ impl Executor<'_> {
             return self.end(cycle, &task, PrintedState::Stopped, "");
         }
         if !status.code().is_some_and(|code| step.good.contains(&code)) {
-            let declined = i32::from(Code::Declined as u8);
-            let why = if status.code() == Some(declined) { step.if_declined } else { "" };
-            return self.end(cycle, &task, PrintedState::Failed, why);
+            return self.end(cycle, &task, PrintedState::Failed, "");
         }
         match Running::begin(&task, rest, self.config) {
             Ok(Some(running)) => {

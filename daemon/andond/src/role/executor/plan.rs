@@ -26,7 +26,7 @@ const JUDGED: &[i32] = &[0, 1, 2];
 const MOST_RUNS: u16 = 50;
 
 /// How long a running job is waited for, in seconds.
-const IDLE_S: &str = "300";
+const IDLE_S: u32 = 300;
 
 /// One command.
 #[derive(Debug)]
@@ -34,8 +34,6 @@ pub(super) struct Step {
     pub(super) arguments: Vec<OsString>,
     /// The exit codes with which it has done what was asked for.
     pub(super) good: &'static [i32],
-    /// What is said where it has declined, if it does not say so itself.
-    pub(super) if_declined: &'static str,
 }
 
 /// The commands of a task, and what must be done before them.
@@ -78,10 +76,10 @@ pub(super) fn of(kind: TaskKind, task: &Task, config: &Config) -> Result<VecDequ
             teach.extend(["--without".into(), run.into()]);
             vec![desk.step("teach", teach)]
         }
-        TaskKind::Load => desk.load()?.into(),
+        TaskKind::Load => vec![desk.load()?],
         TaskKind::RollBack => {
             desk.put_back()?;
-            desk.load()?.into()
+            vec![desk.load()?]
         }
         TaskKind::Name => {
             let names = task.text().lines().map(OsString::from);
@@ -118,7 +116,7 @@ impl Desk<'_> {
         let files =
             self.config.files.iter().flat_map(|file| [OsString::from("--config"), absolute(file).into()]);
         let arguments = std::iter::once(OsString::from(command)).chain(files).chain(arguments).collect();
-        Step { arguments, good: DONE, if_declined: "" }
+        Step { arguments, good: DONE }
     }
 
     fn has(&self, flag: u8) -> bool {
@@ -206,11 +204,9 @@ impl Desk<'_> {
     }
 
     /// Loads the job once none is running.
-    fn load(&self) -> Result<[Step; 2], String> {
+    fn load(&self) -> Result<Step, String> {
         let job = self.known_job()?;
-        let idle = self.step("idle", vec!["--timeout".into(), IDLE_S.into()]);
-        let if_declined = "a job is still running, so it was not loaded: try again when the bench rests";
-        Ok([Step { if_declined, ..idle }, self.step("use", vec![job.into()])])
+        Ok(self.step("use", vec![format!("--when-idle={IDLE_S}").into(), job.into()]))
     }
 
     /// The file of a new station, for whoever may install it.
@@ -238,7 +234,7 @@ impl Desk<'_> {
         }
         // It needs no station to be there.
         arguments.insert(0, "new".into());
-        Ok(Step { arguments, good: DONE, if_declined: "" })
+        Ok(Step { arguments, good: DONE })
     }
 
     fn look(&self) -> Step {
@@ -332,10 +328,7 @@ mod tests {
             plan(TaskKind::Name, "polish", "-x\n$(rm)", 0),
             [format!("name {station} {job} -- -x $(rm)")]
         );
-        assert_eq!(
-            plan(TaskKind::Load, "polish", "", 0),
-            [format!("idle {station} --timeout 300"), format!("use {station} {job}")]
-        );
+        assert_eq!(plan(TaskKind::Load, "polish", "", 0), [format!("use {station} --when-idle=300 {job}")]);
         assert_eq!(
             plan(TaskKind::New, "bench2", "/dev/video1\nbrick=0.033\n\nsaw blade", 0),
             [format!(
