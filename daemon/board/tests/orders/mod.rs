@@ -6,7 +6,8 @@ use andon_board::{Known, KnownJob, Ordered, Version};
 use shm_schemas::{Printed, PrintedState, Task, TaskKind};
 
 use crate::answer::{header, status};
-use crate::plant::{PATIENCE, Plant, served};
+use crate::beside::PATIENCE;
+use crate::plant::{Plant, served};
 
 /// Waits for an order, and says what became of it.
 fn ordered(plant: &Plant, form: &str, ordered: &Ordered) -> (TaskKind, [String; 3], String) {
