@@ -293,6 +293,23 @@ fn an_object_that_is_first_seen_at_what_the_hand_holds_may_have_been_touched_bef
     }
 }
 
+/// The hand goes on being seen: it is the part that cannot be followed.
+#[test]
+fn a_part_of_which_too_few_frames_come_is_carried_although_no_hand_is_known_to_hold_it() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.6, 0.2])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(30);
+    bench.hold(Side::Right, TOOL).go([0.5, 0.0], 40).rest(30);
+    for (every, is_carried) in [(1, false), (3, false), (8, true), (12, true)] {
+        let frames: Vec<Frame> = bench.frames.iter().step_by(every).cloned().collect();
+        let couples = encode(&bench.ids(), &frames);
+        assert_eq!(couples.iter().any(|couples| couples.lacks(Unseen::CARRIER)), is_carried, "1 of {every}");
+    }
+    // It is only elsewhere after a gap.
+    let (before, after) = (&bench.frames[..30], &bench.frames[70..]);
+    let couples = encode(&bench.ids(), &[before, after].concat());
+    assert!(!couples.iter().any(|couples| couples.lacks(Unseen::CARRIER)));
+}
+
 #[test]
 fn a_part_that_was_hidden_longer_than_the_hand_and_is_then_elsewhere_has_moved_unseen() {
     let moved = |hidden: bool| {

@@ -2,6 +2,7 @@
 
 mod distance;
 mod drift;
+mod glimpse;
 mod grip;
 mod hold;
 mod in_hand;
@@ -25,6 +26,7 @@ use crate::object::ObjectShape;
 use crate::set::ObjectSet;
 use core::ops::RangeInclusive;
 use distance::Shape;
+use glimpse::Glimpses;
 use heapless::Vec;
 use hold::Hold;
 use in_hand::{InHand, ObjectContact};
@@ -44,6 +46,7 @@ struct Node {
     known_frames: u32,
     misreading: Misreading,
     drift: Drift,
+    glimpses: Glimpses,
     /// How it lies in each hand that holds it; it moves by this while it is hidden.
     grips: [Option<Grip>; HANDS],
     /// Where it was when a hand was last seen anywhere.
@@ -58,6 +61,7 @@ impl Node {
             known_frames: 0,
             misreading: Misreading::default(),
             drift: Drift::default(),
+            glimpses: Glimpses::default(),
             grips: [None; HANDS],
             attended: None,
         }

@@ -69,8 +69,9 @@ impl Scene {
 
     /// Whether a hand that is not seen carries an object: it moves, and no hand is seen at it. It counts as moved only if it did so in both of the
     /// last two windows. A part that is put in place while the camera is covered moves in neither. One that is misread, as where fingers pass before
-    /// its marker, is back where it was.
-    pub(super) fn are_carried_unseen(&self) -> bool {
+    /// its marker, is back where it was. Where frames come too seldom to measure what a hand does, it does not matter whether the hand is seen.
+    pub(super) fn are_carried_unseen(&mut self) -> bool {
+        let moves_unmeasured = self.move_unmeasured();
         let persist = usize::from(self.method.persist_frames);
         let is_seen_at = |object: usize| {
             let is_seen = |hand: &usize| self.hands[*hand].ago(0).source == Source::Seen;
@@ -91,7 +92,22 @@ impl Scene {
         // What moves while both hands are seen elsewhere was pushed, or is touched farther away than contacts reach: no hand is unseen.
         let is_any_hidden =
             (0..=2 * persist).any(|age| self.hands.iter().any(|hand| hand.ago(age).source != Source::Seen));
-        is_any_hidden && (0..self.objects.len()).any(|object| !is_seen_at(object) && moves(object))
+        let is_carried =
+            is_any_hidden && (0..self.objects.len()).any(|object| !is_seen_at(object) && moves(object));
+        is_carried || moves_unmeasured
+    }
+
+    /// Whether an object that no hand is known to hold is carried about, and seen too seldom to measure it.
+    fn move_unmeasured(&mut self) -> bool {
+        let persist = self.method.persist_frames.into();
+        let mut is_any = false;
+        for (index, node) in self.objects.iter_mut().enumerate() {
+            let pose = node.poses.ago(0);
+            let seen = (pose.source == Source::Seen).then_some(pose.position);
+            let moves = node.glimpses.push(seen, persist, self.blind_frames);
+            is_any |= moves && self.interactions.iter().all(|what| what.held() != Some(index));
+        }
+        is_any
     }
 
     /// Whether what lay on the bench when a hand was seen last is hidden, as when something covers the camera. What had been hidden
