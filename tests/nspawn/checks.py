@@ -16,7 +16,7 @@ TARGET = f"andon@{STATION}.target"
 # Greatest exposure of a unit, on systemd's scale from 0 (safe) to 10.
 EXPOSURE = 0.9
 # Of the units whose watchdog is another one than that of all, in seconds.
-WATCHDOG_S = {"record": 60}
+WATCHDOG_S = {"record": 60, "executor": 60}
 # Where the rest of the system keeps its own records.
 NOT_OURS = ("proc/", "sys/", "dev/", "run/", "tmp/", "var/tmp/", "var/log/", "var/cache/", "etc/.pwd.lock")
 NOT_OURS += ("var/lib/dpkg/", "var/lib/apt/", "var/lib/systemd/")

@@ -221,8 +221,8 @@ fn one_task_runs_at_a_time_is_answered_and_stopped_with_all_that_it_has_started(
     let (state, why) = board.ends(stop);
     assert!(state == PrintedState::Refused && why.contains("nothing is running"), "{why}");
     assert!(!line.path("jobs/shown.toml").exists());
-    let kept = audit(&line, "teach-live shown 3: stopped");
-    assert!(kept.contains("markers: refused") && kept.contains("answer d: taken"), "{kept}");
+    let kept = audit(&line, "teach-live shown: stopped (in spite of doubts, 3)");
+    assert!(kept.contains("markers: refused") && kept.contains("answer: taken (d)"), "{kept}");
 }
 
 #[test]

@@ -195,6 +195,9 @@ impl Board {
         let Some(file) = MadeFile::named(name, of) else {
             return Response::text(404, "there is no such file\n");
         };
+        if file.is_picture() && !self.settings.picture {
+            return Response::text(404, "this board shows no picture\n");
+        }
         let to_keep = match &file {
             MadeFile::Markers => Some("attachment; filename=markers.pdf".to_owned()),
             // Only letters, digits, dots, dashes and underscores were read of it.

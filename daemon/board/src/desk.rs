@@ -104,6 +104,11 @@ pub enum MadeFile {
 }
 
 impl MadeFile {
+    /// Whether it shows the bench.
+    pub(crate) const fn is_picture(&self) -> bool {
+        matches!(self, Self::Seen | Self::Calibrated)
+    }
+
     /// The file of this name; `of` is the job or the station that the address names.
     pub(crate) fn named(name: &str, of: String) -> Option<Self> {
         Some(match name {
@@ -187,6 +192,11 @@ impl Desk {
         else {
             return;
         };
+        // A role that has been killed says nothing of its task, and a new one knows of none.
+        if kind == TaskKind::Stop && state == PrintedState::Refused {
+            let running = self.shown.as_mut().filter(|shown| shown.is_running());
+            running.into_iter().for_each(|shown| shown.state = PrintedState::Failed);
+        }
         // Whoever has ordered these is told so.
         if matches!(kind, TaskKind::Answer | TaskKind::Stop) || state == PrintedState::Refused {
             return;
@@ -248,6 +258,16 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use shm_schemas::Task;
+
+    #[test]
+    fn a_task_whose_role_knows_nothing_of_it_runs_no_more() {
+        let mut desk = Desk::default();
+        desk.take(&printed(1, TaskKind::TeachLive, PrintedState::Line, "run 1 of 3"));
+        desk.take(&printed(2, TaskKind::Load, PrintedState::Refused, "another task is running"));
+        assert!(desk.shown.as_ref().unwrap().is_running());
+        desk.take(&printed(3, TaskKind::Stop, PrintedState::Refused, "nothing is running"));
+        assert_eq!(desk.shown.as_ref().unwrap().state, PrintedState::Failed);
+    }
 
     fn printed(number: u64, kind: TaskKind, state: PrintedState, text: &str) -> Printed {
         let mut task = Task { number, kind: kind.code(), ..Task::default() };

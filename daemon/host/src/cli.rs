@@ -129,7 +129,7 @@ pub enum Role {
     Metrics,
     /// Records what the line sees and says, to be looked at again
     Record,
-    /// Shows the station to people: to the worker, and to the technician
+    /// Shows the station to people: worker, technician and engineer
     Board,
     /// Runs the commands that an engineer orders on the board
     Executor,

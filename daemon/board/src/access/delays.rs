@@ -1,7 +1,7 @@
 //! How long somebody waits after wrong passwords: each doubles the time, for the address that they came from and for the name that they were for.
 //!
 //! Nobody is held: who comes too early is told to come later, and that costs the board nothing. A name waits for a short time at most. Many machines
-//! together can keep it waiting all the same, so it does not wait where its login was before: there only what came from that address counts.
+//! together can keep it waiting all the same, so it does not wait for them where its login was before: there only what came from that address counts.
 
 use std::net::IpAddr;
 
@@ -17,13 +17,15 @@ const OF_NAME_S: u64 = 5;
 /// What was wrong is forgotten after so long.
 const FORGOTTEN_NS: u64 = 15 * 60 * SECOND_NS;
 
-/// Addresses and names that are kept, and couples of both. The oldest makes way.
+/// So much that was wrong is kept, and so many addresses of logins. The oldest makes way.
 const MOST: usize = 1024;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Of {
     Address(IpAddr),
     Name(String),
+    /// A name from an address. A right password for another name from there says nothing of it.
+    Both(IpAddr, String),
 }
 
 #[derive(Debug)]
@@ -47,24 +49,25 @@ impl Failures {
 pub(super) struct Delays {
     failures: Vec<Failures>,
     /// The address and the name of logins that came in, the newest last. A board that starts again knows none.
-    known: Vec<[Of; 2]>,
+    known: Vec<Of>,
 }
 
-fn both(name: &str, peer: IpAddr) -> [Of; 2] {
+fn all(name: &str, peer: IpAddr) -> [Of; 3] {
     // A machine has a whole network of IPv6 addresses.
     let peer = match peer.to_canonical() {
         IpAddr::V6(v6) => IpAddr::V6((u128::from(v6) >> 64 << 64).into()),
         v4 @ IpAddr::V4(_) => v4,
     };
-    [Of::Address(peer), Of::Name(name.chars().take(super::MAX_NAME).collect())]
+    let name: String = name.chars().take(super::MAX_NAME).collect();
+    [Of::Address(peer), Of::Name(name.clone()), Of::Both(peer, name)]
 }
 
 impl Delays {
     /// How many seconds this name, or this address, has to wait; `None` where it need not.
     pub(super) fn wait_s(&mut self, name: &str, peer: IpAddr, now_ns: u64) -> Option<u64> {
         self.failures.retain(|failures| now_ns.saturating_sub(failures.last_ns) < FORGOTTEN_NS);
-        let of = both(name, peer);
-        let counts = if self.known.contains(&of) { &of[..1] } else { &of[..] };
+        let [address, name, both] = all(name, peer);
+        let counts = if self.known.contains(&both) { [address, both] } else { [address, name] };
         let own = self.failures.iter().filter(|failures| counts.contains(&failures.of));
         let free_ns = own.map(Failures::free_ns).max()?;
         free_ns.checked_sub(now_ns).filter(|left| *left > 0).map(|left| left.div_ceil(SECOND_NS))
@@ -72,7 +75,7 @@ impl Delays {
 
     /// A password was wrong.
     pub(super) fn failed(&mut self, name: &str, peer: IpAddr, now_ns: u64) {
-        for of in both(name, peer) {
+        for of in all(name, peer) {
             match self.failures.iter_mut().find(|failures| failures.of == of) {
                 Some(failures) => {
                     failures.count = failures.count.saturating_add(1);
@@ -93,13 +96,14 @@ impl Delays {
 
     /// A password was right.
     pub(super) fn succeeded(&mut self, name: &str, peer: IpAddr) {
-        let of = both(name, peer);
+        let of = all(name, peer);
         self.failures.retain(|failures| !of.contains(&failures.of));
-        self.known.retain(|known| *known != of);
+        let [.., both] = of;
+        self.known.retain(|known| *known != both);
         if self.known.len() >= MOST {
             self.known.remove(0);
         }
-        self.known.push(of);
+        self.known.push(both);
     }
 }
 
@@ -152,6 +156,18 @@ mod tests {
     }
 
     #[test]
+    fn who_has_a_login_of_their_own_waits_with_the_name_of_another_one_as_before() {
+        let mut delays = Delays::default();
+        delays.succeeded("maria", ONE);
+        for _ in 0..9 {
+            delays.failed("maria", ONE, 0);
+            delays.succeeded("tom", ONE);
+        }
+        assert_eq!(delays.wait_s("maria", ONE, 0), Some(OF_NAME_S));
+        assert_eq!(delays.wait_s("tom", ONE, 0), None);
+    }
+
+    #[test]
     fn a_machine_with_many_addresses_and_names_takes_no_more_memory() {
         let mut delays = Delays::default();
         for number in 0..5000_u32 {
@@ -163,6 +179,6 @@ mod tests {
         }
         assert_eq!(delays.known.len(), MOST);
         let [one, other] = [1_u128, 2].map(|low| IpAddr::from(((0xfd00_u128 << 112) | low).to_be_bytes()));
-        assert_eq!(both("", one)[0], both("", other)[0], "one network of IPv6 is one address");
+        assert_eq!(all("", one)[0], all("", other)[0], "one network of IPv6 is one address");
     }
 }

@@ -14,7 +14,7 @@ use crate::html::Html;
 use crate::words::Table;
 
 /// Where the markers for the calibration are printed, as `andond markers` does without an option, in metres.
-const CORNERS: [&str; 4] = ["0,0", "0.5,0", "0.5,0.3", "0,0.3"];
+const CORNERS: [&str; 4] = ["-0.25,-0.15", "0.25,-0.15", "0.25,0.15", "-0.25,0.15"];
 
 /// Parts of a new station. One with more gets them in its file.
 const PARTS: u32 = 6;
@@ -275,8 +275,12 @@ fn files(html: &mut Html, board: &Board, words: &Table) {
     html.raw("<section id=\"made\"><p class=\"turns\">");
     for (is_there, open, key) in [
         (known.has_markers, "<a href=\"/engineer/made/markers.pdf\">", "engineer.print"),
-        (known.has_seen, "<a href=\"/engineer/made/seen.jpg\">", "engineer.seen"),
-        (known.has_calibrated, "<a href=\"/engineer/made/calibrated.jpg\">", "engineer.calibrated"),
+        (known.has_seen && board.settings.picture, "<a href=\"/engineer/made/seen.jpg\">", "engineer.seen"),
+        (
+            known.has_calibrated && board.settings.picture,
+            "<a href=\"/engineer/made/calibrated.jpg\">",
+            "engineer.calibrated",
+        ),
     ] {
         if is_there {
             html.element(open, words.say(key), "</a> ");

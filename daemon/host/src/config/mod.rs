@@ -163,7 +163,7 @@ impl Config {
         k.section("plc", "the Modbus TCP server.", |k| self.plc.keys(k));
         k.section("metrics", "numbers for a monitoring system.", |k| self.metrics.keys(k));
         k.section("record", "what is kept to be looked at again.", |k| self.record.keys(k));
-        k.section("board", "pages for the worker and for the technician.", |k| self.board.keys(k));
+        k.section("board", "pages for worker, technician and engineer.", |k| self.board.keys(k));
         k.section("executor", "what an engineer may order on the board.", |k| self.executor.keys(k));
         k.section("health", "when a role counts as stuck.", |k| self.health.keys(k));
         k.section("log", "how much is logged.", |k| self.log.keys(k));

@@ -1,4 +1,4 @@
-//! `board`: what the line does, on pages for the worker and for the technician.
+//! `board`: what the line does, on pages for worker, technician and engineer.
 //!
 //! Nothing waits for it: the line goes on without it as before. What the pages show is made by the crate `andon-board`. This role feeds it with the
 //! channels, the journal, the names in the job in force, and the clock. It writes no file: what somebody who has logged in asks for goes over a channel

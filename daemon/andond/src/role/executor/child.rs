@@ -82,15 +82,17 @@ impl Child {
         lines
     }
 
-    /// How it has ended, once all that it has printed was taken. One that does not end when it was asked to is killed.
+    /// How it has ended, once all that it has printed was taken. What does not end when it was asked to is killed. It is waited for last: until then
+    /// its number is that of its group, and what it has started itself can be ended as well.
     pub(super) fn ended(&mut self) -> Option<ExitStatus> {
-        if self.asked.is_some_and(|asked| asked.elapsed() > GRACE) {
+        let is_late = self.asked.is_some_and(|asked| asked.elapsed() > GRACE);
+        if is_late {
             self.signal(Signal::KILL);
         }
-        if self.status.is_none() {
+        if self.status.is_none() && (self.is_silent || is_late) {
             self.status = self.child.try_wait().ok().flatten();
         }
-        self.status.filter(|_| self.is_silent)
+        self.status
     }
 
     /// Asks it, and whatever it has started, to end.
@@ -107,9 +109,9 @@ impl Child {
         }
         self.ask_to_end();
         let began = Instant::now();
-        while began.elapsed() < GRACE && matches!(self.child.try_wait(), Ok(None)) {
+        while began.elapsed() < GRACE && !self.is_silent {
             // What it prints now nobody reads, and it must not wait for that.
-            while self.lines.try_recv().is_ok() {}
+            let _ = self.lines(WAITING);
             std::thread::sleep(Duration::from_millis(10));
         }
         self.signal(Signal::KILL);

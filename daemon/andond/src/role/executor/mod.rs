@@ -19,7 +19,7 @@ use andon_host::config::Config;
 use andon_host::log::{code, log};
 use andon_host::role::{Cycle, Output, Role, Turn, WAIT};
 use andon_ipc::{Node, Port, Reader, Writer};
-use shm_schemas::{AuditKind, Printed, PrintedState, Showing, TASK_TEXT_BYTES, Task, TaskKind};
+use shm_schemas::{AuditKind, Printed, PrintedState, Showing, TASK_TEXT_BYTES, Task, TaskKind, task_flag};
 
 use super::audit::Auditor;
 use super::{RoleError, disabled};
@@ -143,7 +143,7 @@ impl Executor<'_> {
             Ok(running) => self.running = running,
             Err(error) => return self.refuse(cycle, task, &format!("andond cannot be started: {error}")),
         }
-        log!(code::TASK_BEGUN, "{}", what(task));
+        log!(code::TASK_BEGUN, "{}", said(task, PrintedState::Begun.name()));
         self.audit(cycle, task, PrintedState::Begun.name())?;
         self.print(cycle, task, PrintedState::Begun, None, "")
     }
@@ -224,20 +224,20 @@ impl Executor<'_> {
         state: PrintedState,
         why: &str,
     ) -> Result<(), RoleError> {
-        log!(code::TASK_ENDED, "{}: {}", what(task), state.name());
+        log!(code::TASK_ENDED, "{}", said(task, state.name()));
         self.audit(cycle, task, state.name())?;
         self.print(cycle, task, state, None, why)
     }
 
     fn refuse(&mut self, cycle: &mut Cycle<'_>, task: &Task, why: &str) -> Result<(), RoleError> {
-        log!(code::TASK_REFUSED, "{}: {why}", what(task));
+        log!(code::TASK_REFUSED, "{}", said(task, why));
         self.audit(cycle, task, &format!("refused, because {why}"))?;
         self.print(cycle, task, PrintedState::Refused, None, why)
     }
 
     fn audit(&mut self, cycle: &mut Cycle<'_>, task: &Task, became: &str) -> Result<(), RoleError> {
         let who = format!("login {}", task.who());
-        Ok(self.auditor.record(cycle, AuditKind::Task, &who, &format!("{}: {became}", what(task)))?)
+        Ok(self.auditor.record(cycle, AuditKind::Task, &who, &said(task, became))?)
     }
 
     fn print(
@@ -257,12 +257,16 @@ impl Executor<'_> {
     }
 }
 
-/// A task in a few words, for the log and the journal.
-fn what(task: &Task) -> String {
+/// A task and what became of it in one line, for the log and the journal. What became of it comes before the text, which may be cut off, and no
+/// character of what was sent begins another line.
+fn said(task: &Task, became: &str) -> String {
     let kind = TaskKind::try_from(task.kind).map_or("unknown task", TaskKind::name);
-    let first = task.text().lines().next().unwrap_or_default();
-    let words = [kind, task.name(), first].into_iter().filter(|word| !word.is_empty());
-    words.collect::<Vec<_>>().join(" ")
+    let flags = [(task_flag::FORCE, "in spite of doubts"), (task_flag::ADD, "added to it")];
+    let flags = flags.into_iter().filter(|(flag, _)| task.flags & flag != 0).map(|(_, words)| words);
+    let texts: Vec<&str> = flags.chain(task.text().lines()).filter(|text| !text.is_empty()).collect();
+    let name = if task.name().is_empty() { String::new() } else { format!(" {}", task.name()) };
+    let texts = if texts.is_empty() { String::new() } else { format!(" ({})", texts.join(", ")) };
+    format!("{kind}{name}: {became}{texts}").replace(char::is_control, " ")
 }
 
 /// A line in pieces that fit into a message.

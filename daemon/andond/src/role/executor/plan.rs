@@ -41,6 +41,9 @@ pub(super) struct Step {
 /// # Errors
 /// Why it is not done, in words for whoever has ordered it.
 pub(super) fn of(kind: TaskKind, task: &Task, config: &Config) -> Result<VecDeque<Step>, String> {
+    if [task.name(), task.text()].concat().chars().any(|one| one.is_control() && one != '\n') {
+        return Err("a name or text has a character that is none".into());
+    }
     let desk = Desk { config, made: Made::new(config), task };
     let steps = match kind {
         TaskKind::TeachLive => {
@@ -97,7 +100,7 @@ pub(super) fn of(kind: TaskKind, task: &Task, config: &Config) -> Result<VecDequ
         TaskKind::Look => vec![desk.look()],
         TaskKind::Calibrate => vec![desk.look(), desk.calibrate()?],
         TaskKind::New => vec![desk.new_station()?],
-        TaskKind::Answer | TaskKind::Stop => Vec::new(),
+        TaskKind::Answer | TaskKind::Stop => return Err("this is no command".into()),
     };
     Ok(steps.into())
 }
@@ -226,14 +229,14 @@ impl Desk<'_> {
         if parts.is_empty() {
             return Err("a station has a part".into());
         }
-        let mut arguments: Vec<OsString> = vec![name.into(), "--force".into(), "--out".into()];
+        let mut arguments: Vec<OsString> = vec!["new".into(), "--force".into(), "--out".into()];
         arguments.push(self.made.station(name).into());
         arguments.extend(parts.iter().map(|part| format!("--part={part}").into()));
         if !camera.is_empty() {
             arguments.push(format!("--camera={camera}").into());
         }
-        // It needs no station to be there.
-        arguments.insert(0, "new".into());
+        // A name may begin like an option.
+        arguments.extend(["--".into(), name.into()]);
         Ok(Step { arguments, good: DONE })
     }
 

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use crate::config::keys::Keys;
 use crate::config::value::{Text, counted_within, several};
 
-/// `[board]`: pages for the worker and for the technician.
+/// `[board]`: pages for worker, technician and engineer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Board {
     /// Whether they are served.
