@@ -124,6 +124,11 @@ fn a_job_is_not_exchanged_while_a_piece_is_made() {
         ),
         "{text}"
     );
+    let output = line.command("use", &["--when-idle=60", "2"]);
+    assert!(output.status.success(), "{}", all_output(&output));
+    let kept = all_output(&line.command("history", &["--audit", "--csv"]));
+    let refusals = kept.lines().filter(|row| row.contains("job 2 refused")).count();
+    assert!((1..4).contains(&refusals), "it waits before it asks: {kept}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use andon_ipc::{Heartbeat, Reader, Wake};
+use andon_ipc::{Heartbeat, Node, Reader, Wake};
 use shm_schemas::{JudgePhase, Judging};
 
 use super::join::join;
@@ -21,6 +21,15 @@ const SILENCE: Duration = Duration::from_millis(4 * Heartbeat::PERIOD.as_millis(
 /// That the station cannot be joined.
 pub fn run(arguments: &Idle) -> Result<u8, ToolError> {
     let node = join(&running_config(&arguments.config)?.config)?;
+    let is_idle = until_idle(&node, Duration::from_secs(arguments.timeout.into()))?;
+    Ok(if is_idle { 0 } else { BUSY })
+}
+
+/// Waits until no job is running, for as long as that. Returns whether none is.
+///
+/// # Errors
+/// The station's shared memory.
+pub(super) fn until_idle(node: &Node, patience: Duration) -> Result<bool, ToolError> {
     let mut judge: Reader<Judging> = node.reader()?;
     let began = Instant::now();
     let mut heard = Instant::now();
@@ -32,10 +41,10 @@ pub fn run(arguments: &Idle) -> Result<u8, ToolError> {
             is_running = judging.phase == JudgePhase::Running.code();
         }
         if !is_running || heard.elapsed() >= SILENCE {
-            return Ok(0);
+            return Ok(true);
         }
-        if wake == Wake::Stop || began.elapsed() >= Duration::from_secs(arguments.timeout.into()) {
-            return Ok(BUSY);
+        if wake == Wake::Stop || began.elapsed() >= patience {
+            return Ok(false);
         }
     }
 }

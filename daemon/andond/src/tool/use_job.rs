@@ -5,13 +5,14 @@ use std::time::{Duration, Instant};
 use andon_host::exit::Code;
 use shm_schemas::{CommandKind, Refusal};
 
+use super::idle::until_idle;
 use super::join::join;
 use super::tell::tell;
 use super::{ToolError, job, running_config};
 use crate::cli::Use;
 use crate::compatibility;
 
-/// How soon a job is asked for again while another one runs: pieces may follow each other without much of a pause.
+/// How soon a job is asked for again where another one has begun in the meantime.
 const AGAIN: Duration = Duration::from_millis(200);
 
 /// Runs the command; it ends when the judge has the job.
@@ -28,6 +29,11 @@ pub fn run(arguments: &Use) -> Result<Code, ToolError> {
     let began = Instant::now();
     let patience = Duration::from_secs(arguments.when_idle.unwrap_or(0).into());
     let answer = loop {
+        // Each refusal is kept in the journal, so it is asked for once no job is running.
+        let left = patience.saturating_sub(began.elapsed());
+        if !left.is_zero() {
+            until_idle(&node, left)?;
+        }
         let answer = tell(&node, |message| {
             message.kind = CommandKind::LoadJob.code();
             (message.job_id, message.model_hash) = (id, hash);
