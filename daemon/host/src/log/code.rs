@@ -219,8 +219,7 @@ table! {
         "Set station.jobs and executor.path to folders below /var/lib/andon, where the user of the station's units may write";
     INFO 631 TASK_BEGUN: "a command that was ordered on the board has begun", "";
     INFO 632 TASK_ENDED: "a command that was ordered on the board has ended", "";
-    INFO 633 TASK_REFUSED: "a command that was ordered on the board was not begun",
-        "The message says why; the board shows the same";
+    INFO 633 TASK_REFUSED: "a command that was ordered on the board was not begun", "";
 
     WARN 701 CLOCK_STEPPED: "the machine's clock was stepped: verdicts keep their order, and their UTC times jump",
         "Let one time service set the clock, slowly";

@@ -332,10 +332,12 @@ mod tests {
             [format!("name {station} {job} -- -x $(rm)")]
         );
         assert_eq!(plan(TaskKind::Load, "polish", "", 0), [format!("use {station} --when-idle=300 {job}")]);
+        // A name is none of its options.
+        assert!(plan(TaskKind::New, "-h", "\nbrick=0.033", 0)[0].ends_with(" -- -h"));
         assert_eq!(
             plan(TaskKind::New, "bench2", "/dev/video1\nbrick=0.033\n\nsaw blade", 0),
             [format!(
-                "new bench2 --force --out {} --part=brick=0.033 --part=saw blade --camera=/dev/video1",
+                "new --force --out {} --part=brick=0.033 --part=saw blade --camera=/dev/video1 -- bench2",
                 at("stations/bench2.toml")
             )]
         );
