@@ -65,13 +65,13 @@ pub(super) fn is_running(board: &Board) -> bool {
 
 /// The form of all buttons that stand in lists.
 pub(super) fn order_form(html: &mut Html, address: &Address, visitor: &Visitor) {
-    html.raw("<form id=\"order\" class=\"none\" method=\"post\" action=\"/engineer/order\">");
-    ends(html, address, visitor);
+    form(html, "id=\"order\" class=\"none\"", address, visitor);
     html.raw("</form>");
 }
 
-/// What every form of an order has.
-pub(super) fn ends(html: &mut Html, address: &Address, visitor: &Visitor) {
+/// The beginning of a form of an order, with these attributes. Its caller ends it.
+pub(super) fn form(html: &mut Html, attributes: &'static str, address: &Address, visitor: &Visitor) {
+    html.raw("<form ").raw(attributes).raw(" method=\"post\" action=\"/engineer/order\">");
     if let Some(session) = &visitor.session {
         token(html, session);
     }
@@ -187,8 +187,7 @@ pub(super) fn is_in_force(board: &Board, hash: &str) -> bool {
 /// What is typed to teach a job.
 fn teach(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor) {
     html.element("<section id=\"teach\"><h2>", words.say("engineer.teach"), "</h2>");
-    html.raw("<form id=\"teaching\" class=\"order\" method=\"post\" action=\"/engineer/order\">");
-    ends(html, address, visitor);
+    form(html, "id=\"teaching\" class=\"order\"", address, visitor);
     html.element("<label for=\"job\">", words.say("engineer.name"), "</label>");
     html.raw("<input id=\"job\" name=\"job\" required maxlength=\"56\" pattern=\"[A-Za-z0-9][A-Za-z0-9_\\-]*\" autocapitalize=\"none\">");
     html.element("<small>", words.say("engineer.name_help"), "</small>");
@@ -231,8 +230,7 @@ fn bench(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor) {
     button(html, "do", "markers", words.say("engineer.markers"));
     button(html, "do", "look", words.say("engineer.look"));
     html.raw("</p><details><summary>").text(words.say("engineer.calibrate")).raw("</summary>");
-    html.raw("<form class=\"order\" method=\"post\" action=\"/engineer/order\">");
-    ends(html, address, visitor);
+    form(html, "class=\"order\"", address, visitor);
     html.element("<p>", words.say("engineer.calibrate_help"), "</p>");
     html.element("<label for=\"side\">", words.say("engineer.side"), "</label>");
     html.raw("<input id=\"side\" name=\"side\" value=\"0.04\" inputmode=\"decimal\" maxlength=\"8\">");
@@ -252,8 +250,7 @@ fn bench(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor) {
 /// The file of a new station.
 fn station(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor) {
     html.raw("<details><summary>").text(words.say("engineer.new")).raw("</summary>");
-    html.raw("<form class=\"order\" method=\"post\" action=\"/engineer/order\">");
-    ends(html, address, visitor);
+    form(html, "class=\"order\"", address, visitor);
     html.element("<p>", words.say("engineer.new_help"), "</p>");
     html.element("<label for=\"station\">", words.say("engineer.station"), "</label>");
     html.raw("<input id=\"station\" name=\"station\" required maxlength=\"16\" pattern=\"[a-z0-9\\-]+\" autocapitalize=\"none\">");

@@ -2,7 +2,7 @@
 
 use shm_schemas::VerdictMeasure;
 
-use super::engineer::{button, check, ends, is_in_force, order_form, task};
+use super::engineer::{self, button, check, is_in_force, order_form, task};
 use super::plot;
 use super::technician::heads;
 use crate::access::Visitor;
@@ -42,7 +42,7 @@ pub(super) fn draw_whole(
     html.element("<h1>", words.say("label.job"), " ").element("", &address.at, "</h1>");
     order_form(html, address, visitor);
     draw(html, board, words, address);
-    form(html, "<form id=\"naming\" class=\"none\" ", address, visitor);
+    form(html, "id=\"naming\" class=\"none\"", address, visitor);
     html.raw("</form>");
     if readable(board, address).is_some() {
         again(html, words, address, visitor);
@@ -108,16 +108,15 @@ fn shown(words: &Table, measured: &Measured) -> String {
 fn again(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor) {
     html.element("<section id=\"again\"><h2>", words.say("engineer.again"), "</h2>");
     html.element("<p>", words.say("engineer.again_help"), "</p>");
-    form(html, "<form class=\"order\" ", address, visitor);
+    form(html, "class=\"order\"", address, visitor);
     check(html, "force", words.say("engineer.doubts"));
     html.element("<button name=\"do\" value=\"again\">", words.say("engineer.again"), "</button>");
     html.raw("</form></section>");
 }
 
 /// A form about this job, which its caller ends.
-fn form(html: &mut Html, open: &'static str, address: &Address, visitor: &Visitor) {
-    html.raw(open).raw("method=\"post\" action=\"/engineer/order\">");
-    ends(html, address, visitor);
+fn form(html: &mut Html, attributes: &'static str, address: &Address, visitor: &Visitor) {
+    engineer::form(html, attributes, address, visitor);
     html.raw("<input type=\"hidden\" name=\"job\" value=\"").text(&address.at).raw("\">");
 }
 

@@ -9,18 +9,11 @@ const EDGE: f32 = 3.0;
 /// Draws what was measured, and the least and the most that was shown. Beside it stands the same in words.
 pub(super) fn measure(html: &mut Html, [measured, shown_min, shown_max]: [f32; 3]) {
     let least = if shown_min.is_finite() { shown_min } else { 0.0 };
-    let (from, to) = (least.min(measured), shown_max.max(measured));
-    if !(from.is_finite() && to.is_finite() && to > from) {
-        return;
+    // Where nothing was shown there is no most.
+    let most = if shown_max.is_nan() { least } else { shown_max };
+    if measured.is_finite() && most.is_finite() {
+        runs(html, &[measured], [least, most]);
     }
-    let at = |value: f32| EDGE + (WIDTH - 2.0 * EDGE) * (value - from) / (to - from);
-    // What was shown once is a line as well.
-    let wide = (at(shown_max) - at(least)).max(1.0);
-    html.raw("<svg class=\"plot\" viewBox=\"0 0 100 16\" aria-hidden=\"true\"><rect class=\"shown\" y=\"4\" height=\"8\" x=\"");
-    html.text(&format!("{:.1}", at(least))).raw("\" width=\"").text(&format!("{wide:.1}"));
-    html.raw("\"/><path class=\"measured\" d=\"M")
-        .text(&format!("{:.1}", at(measured)))
-        .raw(" 0v16\"/></svg>");
 }
 
 /// Draws what each run measured as a line, over what is right as a bar. Beside it stands the range in words.
@@ -33,6 +26,7 @@ pub(super) fn runs(html: &mut Html, values: &[f32], [min, max]: [f32; 2]) {
     }
     let at = |value: f32| EDGE + (WIDTH - 2.0 * EDGE) * (value.clamp(from, to) - from) / (to - from);
     let (left, right) = (at(min), at(max));
+    // What was shown once is a line as well.
     html.raw("<svg class=\"plot\" viewBox=\"0 0 100 16\" aria-hidden=\"true\"><rect class=\"shown\" y=\"4\" height=\"8\" x=\"");
     html.text(&format!("{left:.1}")).raw("\" width=\"").text(&format!("{:.1}", (right - left).max(1.0)));
     html.raw("\"/>");
@@ -58,6 +52,8 @@ mod tests {
         assert!(below.contains("x=\"73.5\" width=\"23.5\"") && below.contains("M3.0 0"), "{below}");
         let above = drawn([10.0, f32::NAN, 5.0]);
         assert!(above.contains("x=\"3.0\" width=\"47.0\"") && above.contains("M97.0 0"), "{above}");
+        let nothing_shown = drawn([3.0, f32::NAN, f32::NAN]);
+        assert!(nothing_shown.contains("x=\"3.0\" width=\"1.0\"") && nothing_shown.contains("M97.0 0"));
         let once = drawn([4.0, 6.0, 6.0]);
         assert!(once.contains("x=\"97.0\" width=\"1.0\""), "{once}");
     }
