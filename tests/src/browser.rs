@@ -118,6 +118,27 @@ impl Browser {
         }
     }
 
+    /// Logs in by the form that is shown.
+    pub fn log_in(&mut self, tab: &Tab, name: &str, password: &str) {
+        self.until(tab, "document.getElementById('password') !== null");
+        let fill = format!(
+            "document.getElementById('name').value = {};
+             document.getElementById('password').value = {};
+             document.querySelector('form.login').requestSubmit();
+             true",
+            json!(name),
+            json!(password)
+        );
+        assert_eq!(self.value(tab, &fill), json!(true));
+    }
+
+    /// Keeps a picture of a page in the folder `ANDON_SCREENSHOTS`, if somebody asks for it, to be looked at.
+    pub fn keep(&mut self, tab: &Tab, name: &str) {
+        let Some(folder) = std::env::var_os("ANDON_SCREENSHOTS") else { return };
+        let picture = self.picture(tab);
+        std::fs::write(std::path::Path::new(&folder).join(format!("{name}.b64")), picture).unwrap();
+    }
+
     /// Writes where the focus is.
     pub fn write(&mut self, tab: &Tab, text: &str) {
         self.ask(Some(tab), "Input.insertText", json!({"text": text}));

@@ -40,14 +40,6 @@ fn at_work() -> (Line, Watcher, String) {
     (line, watcher, format!("http://localhost:{port}"))
 }
 
-/// Keeps a picture of a page in this folder, if somebody asks for it, to be looked at.
-fn keep(browser: &mut Browser, tab: &Tab, name: &str) {
-    let Some(folder) = std::env::var_os("ANDON_SCREENSHOTS") else { return };
-    let picture = browser.picture(tab);
-    let path = std::path::Path::new(&folder).join(format!("{name}.b64"));
-    std::fs::write(path, picture).unwrap();
-}
-
 /// Whether the state of the worker's page is one of these words.
 fn says(words: &[&str]) -> String {
     format!("{}.includes(document.querySelector('#view h1')?.textContent)", json!(words))
@@ -91,7 +83,7 @@ fn a_fault_on_a_film_a_board_that_is_killed_and_a_dead_line_are_said_and_the_pag
     for words in ["Schritt 1: ", "zu wenige Hübe", "Erwartet", "Getan"] {
         assert!(told.contains(words), "{words} is not in {told}");
     }
-    keep(&mut browser, &tab, "worker-fault");
+    browser.keep(&tab, "worker-fault");
     // How long it took is a measurement, and no test asserts it.
     watcher.until("the fault", |watcher| watcher.verdicts.iter().any(|verdict| verdict.outcome == 2));
     let decided_ns = watcher.verdicts.iter().find(|verdict| verdict.outcome == 2).unwrap().decided_utc_ns;
@@ -108,7 +100,7 @@ fn a_fault_on_a_film_a_board_that_is_killed_and_a_dead_line_are_said_and_the_pag
             .unwrap()
             .contains("KEINE VERBINDUNG")
     );
-    keep(&mut browser, &tab, "worker-lost");
+    browser.keep(&tab, "worker-lost");
     line.start("board");
     browser.until(&tab, IS_HEARD);
     browser.until(&tab, &says(&["LÄUFT", "FEHLER", "BEREIT", "GUT"]));
@@ -116,7 +108,7 @@ fn a_fault_on_a_film_a_board_that_is_killed_and_a_dead_line_are_said_and_the_pag
 
     line.role("judge").kill();
     browser.until(&tab, &says(&["KEINE PRÜFUNG"]));
-    keep(&mut browser, &tab, "worker-dead");
+    browser.keep(&tab, "worker-dead");
     line.start("judge");
     browser.until(&tab, &says(&["LÄUFT", "FEHLER", "BEREIT", "GUT"]));
 }
@@ -140,7 +132,7 @@ fn events_are_listed_newest_first_and_a_deep_link_a_reload_and_the_back_button_k
     let times: Vec<String> = serde_json::from_value(times).unwrap();
     assert!(times.is_sorted_by(|newer, older| newer >= older), "{times:?}");
     browser.resize(&tab, WHOLE);
-    keep(&mut browser, &tab, "technician");
+    browser.keep(&tab, "technician");
     browser.resize(&tab, FULL_HD);
 
     // The fault is chosen in the form, and the address has it.
@@ -162,7 +154,7 @@ fn events_are_listed_newest_first_and_a_deep_link_a_reload_and_the_back_button_k
             .value(&tab, &format!("(() => {{ {} }})()", only.replace("rows.length", "return rows.length"))),
         json!(true)
     );
-    keep(&mut browser, &tab, "technician-filtered");
+    browser.keep(&tab, "technician-filtered");
 
     // The link of the oldest row leads to it, whatever has happened since, and after a reload.
     let link = "[...document.querySelectorAll('#events td:first-child a')].at(-1).href";
@@ -217,9 +209,9 @@ fn pages_are_readable_in_every_state_size_and_language_with_the_keyboard_and_wit
         assert_accessible(&mut browser, &tab, &set, style);
     }
     browser.until(&tab, &says(&["WORKING"]));
-    keep(&mut browser, &tab, "worker-quiet");
+    browser.keep(&tab, "worker-quiet");
     browser.resize(&tab, TABLET);
-    keep(&mut browser, &tab, "worker-quiet-tablet");
+    browser.keep(&tab, "worker-quiet-tablet");
     browser.resize(&tab, FULL_HD);
     for lang in ["de", "en", "es", "fr", "zh"] {
         browser.go(&tab, &format!("{board}/?lang={lang}"));
@@ -229,7 +221,7 @@ fn pages_are_readable_in_every_state_size_and_language_with_the_keyboard_and_wit
             browser.resize(&tab, size);
             let wide = "document.documentElement.scrollWidth <= innerWidth";
             assert_eq!(browser.value(&tab, wide), json!(true), "{lang} {name}");
-            keep(&mut browser, &tab, &format!("worker-{lang}-{name}"));
+            browser.keep(&tab, &format!("worker-{lang}-{name}"));
         }
         browser.resize(&tab, FULL_HD);
     }
@@ -305,7 +297,7 @@ fn the_technician_sees_the_picture_with_what_is_seen_in_it_and_nobody_reads_fram
     browser.until(&tab, "document.querySelectorAll('#events tbody tr').length > 0");
     for (size, name) in [(WHOLE, "technician-picture"), (TABLET, "technician-picture-tablet")] {
         browser.resize(&tab, size);
-        keep(&mut browser, &tab, name);
+        browser.keep(&tab, name);
     }
     browser.go(&tab, &format!("http://localhost:{port}/"));
     let until = Instant::now() + PATIENCE;
@@ -366,7 +358,7 @@ fn an_event_leads_to_its_film_which_steps_and_plays_and_keeps_its_place_until_it
         let wide = "document.documentElement.scrollWidth <= innerWidth";
         assert_eq!(browser.value(&tab, wide), json!(true), "{name}");
         assert_accessible(&mut browser, &tab, "", name);
-        keep(&mut browser, &tab, name);
+        browser.keep(&tab, name);
     }
     browser.resize(&tab, FULL_HD);
     let lost = browser.faults_of_focus(&tab, 8);
@@ -435,7 +427,7 @@ fn an_event_leads_to_its_film_which_steps_and_plays_and_keeps_its_place_until_it
     let shown = browser.value(&tab, "document.getElementById('explain').innerText");
     assert!(shown.as_str().unwrap().contains(remedy), "{remedy} is not in {shown}");
     browser.resize(&tab, WHOLE);
-    keep(&mut browser, &tab, "explain");
+    browser.keep(&tab, "explain");
     browser.resize(&tab, FULL_HD);
 
     // What was removed or damaged is said, on the page that is open and on a new one.
@@ -445,7 +437,7 @@ fn an_event_leads_to_its_film_which_steps_and_plays_and_keeps_its_place_until_it
         browser.value(&tab, &format!("document.querySelector('footer a[hreflang={lang}]').click()"));
         browser.until(&tab, &format!("document.documentElement.lang === '{lang}' && {IS_AT_EVENT}"));
         assert_accessible(&mut browser, &tab, "", lang);
-        keep(&mut browser, &tab, &format!("event-{lang}"));
+        browser.keep(&tab, &format!("event-{lang}"));
     }
     browser.value(&tab, "document.querySelector('footer a[hreflang=en]').click()");
     browser.until(&tab, &format!("document.documentElement.lang === 'en' && {IS_AT_EVENT}"));
@@ -458,14 +450,14 @@ fn an_event_leads_to_its_film_which_steps_and_plays_and_keeps_its_place_until_it
     store::remove(&recording).unwrap();
     browser.value(&tab, "slide.value = 0; slide.dispatchEvent(new Event('input'))");
     browser.until(&tab, "!document.getElementById('frame_lost').hidden");
-    keep(&mut browser, &tab, "event-removed");
+    browser.keep(&tab, "event-removed");
     let gone = "fetch(document.querySelector('a[download]').href).then((answer) => answer.status)";
     assert_eq!(browser.value(&tab, gone), json!(404));
     browser.value(&tab, "location.reload()");
     browser.until(&tab, "document.body.innerText.includes('No clip shows this event')");
     for lang in ["de", "zh"] {
         browser.go(&tab, &format!("{board}/technician/explain?code=305&lang={lang}"));
-        keep(&mut browser, &tab, &format!("explain-{lang}"));
+        browser.keep(&tab, &format!("explain-{lang}"));
     }
 }
 
@@ -530,7 +522,7 @@ fn the_worker_sees_a_step_with_its_picture_where_teach_was_asked_to_keep_one() {
         [(FULL_HD, "worker-steps"), (TABLET, "worker-steps-tablet"), (TWICE, "worker-steps-twice")]
     {
         browser.resize(&tab, size);
-        keep(&mut browser, &tab, name);
+        browser.keep(&tab, name);
     }
     // Nothing of people is left of a job that was taught again without.
     teach(&[]);
@@ -550,7 +542,7 @@ fn the_sixth_window_of_a_browser_is_watched_and_the_oldest_says_so_and_comes_bac
         })
         .collect();
     browser.until(&windows[0], "!document.getElementById('elsewhere').hidden");
-    keep(&mut browser, &windows[0], "worker-elsewhere");
+    browser.keep(&windows[0], "worker-elsewhere");
     browser.value(&windows[0], "document.body.dispatchEvent(new Event('pointerdown', { bubbles: true }))");
     browser.until(&windows[0], is_watched);
     browser.until(&windows[1], "!document.getElementById('elsewhere').hidden");

@@ -2,11 +2,9 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_tests::browser::{Browser, Tab};
-use andon_tests::line::{Line, Settings, Watcher, andond, free_port, save_runs};
+use andon_tests::line::{Line, Settings, Watcher, free_port, save_runs};
 use serde_json::json;
 use std::fs;
-use std::io::Write as _;
-use std::process::{Command, Stdio};
 use std::time::Duration;
 
 const FULL_HD: [u32; 2] = [1920, 1080];
@@ -26,42 +24,14 @@ fn station() -> (Line, Watcher, String) {
     fs::create_dir_all(line.path("made/films")).unwrap();
     save_runs(&line.path("made/films"));
     for (name, role) in [("eva", "engineer"), ("tom", "technician")] {
-        let mut child = Command::new(andond())
-            .args(["board", "login", name, "--role", role, "--config"])
-            .arg(line.config())
-            .env_remove("JOURNAL_STREAM")
-            .stdin(Stdio::piped())
-            .stdout(Stdio::null())
-            .spawn()
-            .unwrap();
-        writeln!(child.stdin.take().unwrap(), "{PASSWORD}").unwrap();
-        assert!(child.wait().unwrap().success());
+        let output = line.command_told("board", &["login", name, "--role", role], PASSWORD);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
     let watcher = line.launch();
     line.start("executor");
     line.start("board");
     line.wait_for_log("board", "AND-620", "");
     (line, watcher, format!("http://localhost:{port}"))
-}
-
-/// Keeps a picture of a page in this folder, if somebody asks for it, to be looked at.
-fn keep(browser: &mut Browser, tab: &Tab, name: &str) {
-    let Some(folder) = std::env::var_os("ANDON_SCREENSHOTS") else { return };
-    let picture = browser.picture(tab);
-    fs::write(std::path::Path::new(&folder).join(format!("{name}.b64")), picture).unwrap();
-}
-
-fn log_in(browser: &mut Browser, tab: &Tab, name: &str) {
-    browser.until(tab, "document.getElementById('password') !== null");
-    let fill = format!(
-        "document.getElementById('name').value = {};
-         document.getElementById('password').value = {};
-         document.querySelector('form.login').requestSubmit();
-         true",
-        json!(name),
-        json!(PASSWORD)
-    );
-    assert_eq!(browser.value(tab, &fill), json!(true));
 }
 
 /// Presses a button once it is there. A page that is drawn anew has another one of its name.
@@ -95,7 +65,7 @@ fn look(browser: &mut Browser, tab: &Tab, name: &str) {
         let wide = "document.documentElement.scrollWidth <= innerWidth";
         assert_eq!(browser.value(tab, wide), json!(true), "{name}{of}");
         assert_eq!(browser.faults(tab, ""), [""; 0], "{name}{of}");
-        keep(browser, tab, &format!("{name}{of}"));
+        browser.keep(tab, &format!("{name}{of}"));
     }
     browser.resize(tab, FULL_HD);
 }
@@ -107,11 +77,11 @@ fn an_engineer_without_a_shell_teaches_a_job_names_its_steps_loads_it_and_it_jud
     let tab = browser.open(&format!("{board}/engineer"), FULL_HD);
     // Also on the machine itself nobody reads it without a login, and a technician does not.
     browser.until(&tab, "location.pathname === '/login'");
-    log_in(&mut browser, &tab, "tom");
+    browser.log_in(&tab, "tom", PASSWORD);
     browser.until(&tab, "location.pathname === '/'");
     browser.go(&tab, &format!("{board}/engineer"));
     browser.until(&tab, "document.body.innerText.includes('Log in with another one')");
-    log_in(&mut browser, &tab, "eva");
+    browser.log_in(&tab, "eva", PASSWORD);
     browser.until(&tab, "location.pathname === '/engineer'");
     browser.until(&tab, "document.body.innerText.includes('There is no job yet')");
     // They were looked for since the page was asked for.
@@ -143,7 +113,7 @@ fn an_engineer_without_a_shell_teaches_a_job_names_its_steps_loads_it_and_it_jud
     let filled = "getComputedStyle(document.querySelector('svg rect')).fill !== 'rgb(0, 0, 0)'";
     assert_eq!(browser.value(&tab, filled), json!(true), "nor has the picture of the steps one");
     browser.resize(&tab, WHOLE);
-    keep(&mut browser, &tab, "engineer-report");
+    browser.keep(&tab, "engineer-report");
 
     browser.go(&tab, &format!("{board}/engineer"));
     press(&mut browser, &tab, "#jobs button[name=load]");
@@ -167,7 +137,7 @@ fn a_job_is_shown_at_the_bench_by_buttons_and_an_order_without_the_role_that_doe
     let (mut line, _watcher, board) = station();
     let mut browser = Browser::start();
     let tab = browser.open(&format!("{board}/engineer?lang=de"), FULL_HD);
-    log_in(&mut browser, &tab, "eva");
+    browser.log_in(&tab, "eva", PASSWORD);
     browser.until(&tab, "document.getElementById('count') !== null");
     browser.value(
         &tab,
@@ -196,5 +166,5 @@ fn a_job_is_shown_at_the_bench_by_buttons_and_an_order_without_the_role_that_doe
     browser.until(&tab, "document.querySelector('#task').innerText.includes('executor')");
     press(&mut browser, &tab, "button[value=markers]");
     browser.until(&tab, "document.body.innerText.includes('antwortet nicht')");
-    keep(&mut browser, &tab, "engineer-unheard");
+    browser.keep(&tab, "engineer-unheard");
 }

@@ -1,15 +1,14 @@
 //! The board of a running line on a network: TLS, logins, and the first thing that can be done on it.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_tests::browser::{Browser, Tab};
+use andon_tests::browser::Browser;
 use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, andond, free_port, status};
 use andon_tests::simulator::Flaw;
 use rustix::process::Signal;
 use serde_json::json;
 use std::fs;
-use std::io::Write as _;
 use std::os::unix::fs::PermissionsExt as _;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
 const FULL_HD: [u32; 2] = [1920, 1080];
@@ -30,33 +29,13 @@ fn on_the_network(line: &Line) -> u16 {
 
 /// Runs `andond board`; the password comes on the standard input.
 fn board(line: &Line, arguments: &[&str]) -> Output {
-    let mut child = Command::new(andond())
-        .arg("board")
-        .args(arguments)
-        .arg("--config")
-        .arg(line.config())
-        .env_remove("JOURNAL_STREAM")
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    // A command that asks for none has ended.
-    let _ = writeln!(child.stdin.take().unwrap(), "{PASSWORD}");
-    child.wait_with_output().unwrap()
+    line.command_told("board", arguments, PASSWORD)
 }
 
 fn done(line: &Line, arguments: &[&str]) -> String {
     let output = board(line, arguments);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
-}
-
-/// Keeps a picture of a page in this folder, if somebody asks for it, to be looked at.
-fn keep(browser: &mut Browser, tab: &Tab, name: &str) {
-    let Some(folder) = std::env::var_os("ANDON_SCREENSHOTS") else { return };
-    let picture = browser.picture(tab);
-    fs::write(std::path::Path::new(&folder).join(format!("{name}.b64")), picture).unwrap();
 }
 
 /// A line whose worker leaves out half of the strokes again and again, that is ready and has a board on the network.
@@ -80,20 +59,6 @@ fn audit(line: &Line) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Logs in by the form that is shown.
-fn log_in(browser: &mut Browser, tab: &Tab, name: &str, password: &str) {
-    browser.until(tab, "document.getElementById('password') !== null");
-    let fill = format!(
-        "document.getElementById('name').value = {};
-         document.getElementById('password').value = {};
-         document.querySelector('form.login').requestSubmit();
-         true",
-        json!(name),
-        json!(password)
-    );
-    assert_eq!(browser.value(tab, &fill), json!(true));
-}
-
 #[test]
 fn a_technician_logs_in_says_that_a_verdict_was_wrong_and_logs_out() {
     let (line, mut watcher, port) = at_work();
@@ -103,19 +68,19 @@ fn a_technician_logs_in_says_that_a_verdict_was_wrong_and_logs_out() {
     browser.until(&tab, "location.pathname === '/login'");
     for (size, name) in [(FULL_HD, "login"), (TABLET, "login-tablet")] {
         browser.resize(&tab, size);
-        keep(&mut browser, &tab, name);
+        browser.keep(&tab, name);
     }
     browser.resize(&tab, FULL_HD);
-    log_in(&mut browser, &tab, "maria", "wrong horse");
+    browser.log_in(&tab, "maria", "wrong horse");
     browser.until(&tab, "document.body.innerText.includes('Name oder Passwort ist falsch')");
-    keep(&mut browser, &tab, "login-wrong");
+    browser.keep(&tab, "login-wrong");
     line.wait_for_log("board", "AND-626", "127.0.0.1");
     // A worker does not see it.
-    log_in(&mut browser, &tab, "paul", PASSWORD);
+    browser.log_in(&tab, "paul", PASSWORD);
     browser.until(&tab, "location.pathname === '/' && document.querySelector('#view h1') !== null");
     browser.go(&tab, &format!("https://localhost:{port}/technician?lang=de"));
     browser.until(&tab, "document.body.innerText.includes('Mit einer anderen anmelden')");
-    log_in(&mut browser, &tab, "maria", PASSWORD);
+    browser.log_in(&tab, "maria", PASSWORD);
     browser.until(&tab, "location.pathname + location.search === '/technician?lang=de'");
     line.wait_for_log("board", "AND-625", "");
     browser.until(&tab, "document.querySelectorAll('#events tbody tr').length > 1");
@@ -152,7 +117,7 @@ fn a_technician_logs_in_says_that_a_verdict_was_wrong_and_logs_out() {
             &tab,
             &format!("document.getElementById('{row}').scrollIntoView({{ block: 'center' }}); true"),
         );
-        keep(&mut browser, &tab, name);
+        browser.keep(&tab, name);
     }
     let kept = audit(&line);
     let said: Vec<&str> = kept.lines().filter(|entry| entry.contains("login maria")).collect();
@@ -186,7 +151,7 @@ fn by_the_keyboard_alone_somebody_logs_in_and_says_that_a_verdict_was_wrong_and_
     one.write(&own, PASSWORD);
     one.press(&own, "Enter", 13);
     one.until(&own, "location.pathname + location.search === '/technician?lang=en'");
-    log_in(other, &theirs, "maria", PASSWORD);
+    other.log_in(&theirs, "maria", PASSWORD);
     for (browser, tab) in [(&mut *one, &own), (&mut *other, &theirs)] {
         browser.until(tab, "document.querySelectorAll('#events tbody tr').length > 1");
     }
@@ -239,7 +204,7 @@ fn who_follows_a_link_to_an_event_logs_in_sees_its_film_says_it_was_wrong_and_se
     let tab = browser.open(&format!("https://localhost:{port}{event}"), FULL_HD);
     browser.until(&tab, "location.pathname === '/login' && document.readyState === 'complete'");
     assert_eq!(browser.faults(&tab, ""), [""; 0], "the login");
-    log_in(&mut browser, &tab, "maria", PASSWORD);
+    browser.log_in(&tab, "maria", PASSWORD);
     browser.until(&tab, &format!("location.pathname + location.search === {}", json!(event)));
     browser.until(&tab, "document.getElementById('frame')?.naturalWidth > 0");
     browser.until(&tab, "document.querySelector('#still img').naturalWidth > 0");
@@ -249,7 +214,7 @@ fn who_follows_a_link_to_an_event_logs_in_sees_its_film_says_it_was_wrong_and_se
         let wide = "document.documentElement.scrollWidth <= innerWidth";
         assert_eq!(browser.value(&tab, wide), json!(true), "{name}");
         assert_eq!(browser.faults(&tab, ""), [""; 0], "{name}");
-        keep(&mut browser, &tab, name);
+        browser.keep(&tab, name);
     }
     let download = "fetch(document.querySelector('a[download]').href).then((answer) => answer.headers.get('content-disposition'))";
     assert_eq!(browser.value(&tab, download), json!("attachment"));
@@ -298,7 +263,7 @@ fn a_kiosk_comes_in_by_its_link_and_goes_on_after_the_board_was_killed_and_a_rem
         &tab,
         "location.pathname + location.search === '/' && document.querySelector('#view h1') !== null",
     );
-    keep(&mut browser, &tab, "kiosk");
+    browser.keep(&tab, "kiosk");
     line.role("board").kill();
     browser.until(&tab, "!document.getElementById('lost').hidden");
     line.start("board");

@@ -3,29 +3,19 @@
 
 use andon_ipc::{Node, Stop};
 use andon_tests::browser::Browser;
-use andon_tests::line::{Line, Modbus, Settings, andond, free_port, root, status};
+use andon_tests::line::{Killed, Line, Modbus, Settings, andond, free_port, root, status};
 use andon_tests::simulator::Flaw;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::json;
 use shm_schemas::{Health, Judging, RoleId, Verdict};
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{Shutdown, TcpListener, TcpStream};
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 const FULL_HD: [u32; 2] = [1920, 1080];
-
-/// A program that is killed when this is dropped.
-struct Running(Child);
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
 
 #[test]
 fn a_demo_with_a_board_shows_what_ran_and_plays_on_until_it_is_asked_to_stop() {
@@ -41,7 +31,7 @@ fn a_demo_with_a_board_shows_what_ran_and_plays_on_until_it_is_asked_to_stop() {
         .stdout(Stdio::piped())
         .spawn()
         .unwrap();
-    let mut demo = Running(demo);
+    let mut demo = Killed(demo);
     let (mut lines, mut text) = (BufReader::new(demo.0.stdout.take().unwrap()).lines(), String::new());
     let last = lines.by_ref().map_while(Result::ok).find(|line| {
         text.push_str(line);

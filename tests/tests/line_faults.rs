@@ -2,12 +2,12 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_ipc::{Node, Stop};
-use andon_tests::line::{Line, PATIENCE, ROLES, Settings, Watcher, andond, role_id};
+use andon_tests::line::{Killed, Line, PATIENCE, ROLES, Settings, Watcher, andond, role_id};
 use andon_tests::shim;
 use shm_schemas::{Layout, RoleId, RoleState, Verdict};
 use std::os::unix::fs::PermissionsExt;
 use std::path::PathBuf;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 /// A line that is up.
@@ -63,21 +63,11 @@ fn a_journal_whose_database_is_locked_waits_and_loses_nothing() {
     assert_eq!(rows.gaps(), 0);
 }
 
-/// A role on a disk that is nearly full. It is killed when this is dropped.
-struct Starved(Child);
-
-impl Drop for Starved {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
 /// The longest file of a role that [`start_on_full_disk`] has started.
 const ROOM: usize = 1600 * 512;
 
-/// Starts a role of which no file may grow over 1600 blocks: its longest file in shared memory has 1050. The signal is ignored, so that the write fails as it does on a full disk.
-fn start_on_full_disk(line: &Line, role: &str) -> Starved {
+/// Starts a role on a disk that is nearly full, of which no file may grow over 1600 blocks: its longest file in shared memory has 1050. The signal is ignored, so that the write fails as it does on a full disk.
+fn start_on_full_disk(line: &Line, role: &str) -> Killed {
     let log = std::fs::File::create(line.path(&format!("{role}.log"))).unwrap();
     let child = Command::new("sh")
         .args(["-c", "trap '' XFSZ; ulimit -f 1600; exec \"$0\" run \"$1\" -c \"$2\" 2>&1"])
@@ -86,7 +76,7 @@ fn start_on_full_disk(line: &Line, role: &str) -> Starved {
         .arg(line.config())
         .stdout(log)
         .spawn();
-    Starved(child.unwrap())
+    Killed(child.unwrap())
 }
 
 #[test]

@@ -2,19 +2,9 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_tests::browser::Browser;
-use andon_tests::line::{Line, PATIENCE, andond, free_port, root};
-use std::process::{Child, Command, Stdio};
+use andon_tests::line::{Killed, Line, PATIENCE, andond, free_port, root};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
-
-/// A program that is killed when this is dropped.
-struct Running(Child);
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
 
 #[test]
 fn what_the_camera_sees_before_there_is_a_line_is_a_page_of_the_board_too() {
@@ -23,7 +13,7 @@ fn what_the_camera_sees_before_there_is_a_line_is_a_page_of_the_board_too() {
     let port = free_port();
     let mut look = Command::new(andond());
     look.arg("look").arg(film).arg("-c").arg(line.config()).arg("--page").arg(port.to_string());
-    let look = Running(look.stdout(Stdio::null()).spawn().unwrap());
+    let look = Killed(look.stdout(Stdio::null()).spawn().unwrap());
     let until = Instant::now() + PATIENCE;
     while std::net::TcpStream::connect(("127.0.0.1", port)).is_err() {
         assert!(Instant::now() < until, "nothing listens");

@@ -19,7 +19,7 @@ pub use client::{Modbus, control, status};
 pub use film::{NOISE, UNSEEN, UNSEEN_S, root};
 pub use journalled::Journalled;
 pub use metrics::{ask, measure, samples, scrape, tally, verdicts};
-pub use process::{Process, andond, own_memory_kib};
+pub use process::{Killed, Process, andond, own_memory_kib};
 pub use recorded::detections_in;
 pub use shift::{Counted, Kept, Shift, Told, account, kept, told, told_last};
 pub use soft_plc::soft_plc;
@@ -255,6 +255,11 @@ impl Line {
     /// Runs a command of `andond` on this station.
     pub fn command(&self, command: &str, arguments: &[&str]) -> Output {
         process::run(command, &self.config(), arguments)
+    }
+
+    /// Runs a command of `andond` on this station, which is told a line on its standard input, as a password.
+    pub fn command_told(&self, command: &str, arguments: &[&str], told: &str) -> Output {
+        process::run_and_tell(command, &self.config(), arguments, told)
     }
 
     /// As [`Line::stop`], without the steward, which cleans up after those that left before it.

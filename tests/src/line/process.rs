@@ -3,6 +3,7 @@
 use rustix::process::{Pid, Signal, kill_process};
 use std::ffi::OsString;
 use std::fs::File;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -29,6 +30,34 @@ pub(super) fn run(command: &str, config: &Path, arguments: &[&str]) -> Output {
         .env_remove("JOURNAL_STREAM")
         .output()
         .unwrap()
+}
+
+/// As [`run`], and the command is told a line on its standard input.
+pub(super) fn run_and_tell(command: &str, config: &Path, arguments: &[&str], told: &str) -> Output {
+    let mut child = Command::new(andond())
+        .arg(command)
+        .args(arguments)
+        .arg("--config")
+        .arg(config)
+        .env_remove("JOURNAL_STREAM")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // A command that asks for nothing has ended.
+    let _ = writeln!(child.stdin.take().unwrap(), "{told}");
+    child.wait_with_output().unwrap()
+}
+
+/// A program that is killed when this is dropped.
+pub struct Killed(pub Child);
+
+impl Drop for Killed {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
 }
 
 /// A role that runs. It is killed when this is dropped.
