@@ -5,11 +5,14 @@
 //! a part, and `--before` removes those of jobs that were taught before.
 
 use std::fs;
-use std::io::{self, Read as _};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use andon_host::atomic::{self, folder_of};
+use andon_learn::file;
 use andon_learn::job_file::JobFile;
+
+use crate::made::is_hash;
 
 /// A picture has fewer bytes.
 const LARGEST: u64 = 256 << 10;
@@ -21,12 +24,7 @@ fn path_of(job: &Path, model_hash: u64, step: usize) -> PathBuf {
 
 /// The pictures of the steps of a job, as far as there are any.
 pub(crate) fn read(path: &Path, job: &JobFile) -> Vec<Option<Vec<u8>>> {
-    let picture = |step| {
-        let mut jpeg = Vec::new();
-        let file = fs::File::open(path_of(path, job.model_hash(), step)).ok()?;
-        file.take(LARGEST).read_to_end(&mut jpeg).ok()?;
-        Some(jpeg)
-    };
+    let picture = |step| file::read_up_to(&path_of(path, job.model_hash(), step), LARGEST).ok();
     (0..job.steps.len()).map(picture).collect()
 }
 
@@ -63,8 +61,7 @@ impl StepPicture {
         let (stem, rest) = path.file_name()?.to_str()?.strip_suffix(".jpg")?.rsplit_once('.')?;
         let (job, hash) = stem.rsplit_once('.')?;
         rest.strip_prefix("step-")?.parse::<u16>().ok()?;
-        let is_hash = hash.len() == 16 && hash.bytes().all(|byte| byte.is_ascii_hexdigit());
-        let model_hash = u64::from_str_radix(hash, 16).ok().filter(|_| is_hash)?;
+        let model_hash = u64::from_str_radix(hash, 16).ok().filter(|_| is_hash(hash))?;
         Some(Self { job: path.with_file_name(format!("{job}.toml")), model_hash, path })
     }
 

@@ -19,6 +19,7 @@ use andon_board::{Ask, Board, Film, NoFilm, Picture, Thing, Wanted};
 use andon_host::config::Config;
 use andon_http::{Feed, Response};
 use andon_ipc::Channel;
+use andon_learn::file;
 use andon_record::Topic;
 use andon_record::index::still_of;
 use andon_record::picture::jpeg_in;
@@ -307,10 +308,7 @@ impl Reel {
     }
 
     fn still(&self) -> Option<Vec<u8>> {
-        let mut jpeg = Vec::new();
-        let still = File::open(still_of(&self.path, self.event)).ok()?;
-        still.take(LARGEST_STILL).read_to_end(&mut jpeg).ok()?;
-        Some(jpeg)
+        file::read_up_to(&still_of(&self.path, self.event), LARGEST_STILL).ok()
     }
 }
 
