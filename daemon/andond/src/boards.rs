@@ -1,13 +1,14 @@
 //! What makes a board safe on a network, as files: the certificate, its key and the logins. The role `board` reads them, and commands make them.
 
 use std::io;
-use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 
 use andon_board::{Logins, LoginsError};
 use andon_host::config::Config;
 use andon_http::{Tls, TlsError};
 use andon_learn::file;
+
+use crate::mark::{Mark, mark};
 
 /// Why a board may not be reached from a network.
 #[derive(Debug, thiserror::Error)]
@@ -88,14 +89,11 @@ pub(crate) fn logins(path: &Path) -> Result<Logins, UnsafeBoard> {
     }
 }
 
-/// What changes with a file that was written anew; `None` of one that is missing.
-type Version = Option<(u64, u64, i64, i64)>;
-
 /// The file of logins, as it was when it was read last.
 pub(crate) struct LoginsFile {
     path: PathBuf,
     /// Of what was read; `None` before that.
-    version: Option<Version>,
+    mark: Option<Mark>,
     /// The logins in it; none where it cannot be read.
     pub(crate) logins: Logins,
 }
@@ -103,14 +101,13 @@ pub(crate) struct LoginsFile {
 impl LoginsFile {
     /// Nobody has read it yet.
     fn new(path: PathBuf) -> Self {
-        Self { path, version: None, logins: Logins::default() }
+        Self { path, mark: None, logins: Logins::default() }
     }
 
     /// Reads it if it is another one by now. `None` where it is not.
     pub(crate) fn renew(&mut self) -> Option<Result<(), UnsafeBoard>> {
-        let meta = std::fs::metadata(&self.path).ok();
-        let version = meta.map(|meta| (meta.ino(), meta.len(), meta.mtime(), meta.mtime_nsec()));
-        if self.version.replace(version) == Some(version) {
+        let now = mark(&self.path);
+        if self.mark.replace(now) == Some(now) {
             return None;
         }
         let (logins, read) = match logins(&self.path) {

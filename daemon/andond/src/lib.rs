@@ -18,6 +18,7 @@ pub mod encoding;
 mod identity;
 mod made;
 mod made_with;
+mod mark;
 pub mod metric;
 mod outage;
 pub mod perceiving;

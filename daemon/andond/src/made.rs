@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use andon_host::config::Config;
 use andon_learn::job_file::JobFile;
 
+use crate::mark::{Mark, mark};
+
 /// Where they are.
 #[derive(Clone, Debug)]
 pub(crate) struct Made {
@@ -30,6 +32,13 @@ impl Made {
         let own = ["reports", "markers", "versions", "stations"].map(of);
         let [reports, markers, versions, stations] = own;
         [self.folder.clone(), reports, markers, versions, stations, self.jobs.clone()]
+    }
+
+    /// All files that there are, and what changes with those that were written anew. It is less to ask for than what is in them.
+    pub(crate) fn marks(&self) -> Vec<(PathBuf, Mark)> {
+        let folders = self.folders().into_iter().chain([self.films.clone()]);
+        let paths = folders.flat_map(|folder| files(&folder));
+        paths.map(|path| (path.clone(), mark(&path))).collect()
     }
 
     /// The folder of the jobs.
@@ -183,5 +192,9 @@ mod tests {
             std::fs::write(folder.path().join("versions").join(file), "").unwrap();
         }
         assert_eq!(made.versions("job"), [made.version("job", "0123456789abcdef")]);
+        let marks = made.marks();
+        assert_eq!(made.marks(), marks);
+        std::fs::write(made.version("job", "0123456789abcdef"), "another one").unwrap();
+        assert_ne!(made.marks(), marks);
     }
 }

@@ -2,9 +2,7 @@
 //!
 //! The board writes nothing here either. Which jobs, recordings and files there are, a thread looks up while somebody looks at the pages.
 
-use std::fs::File;
-use std::io::Read as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
@@ -15,12 +13,14 @@ use andon_host::config::Config;
 use andon_host::role::{Cycle, Output};
 use andon_http::Response;
 use andon_ipc::{MonotonicTime, Node, Port, Reader, Writer};
+use andon_learn::file;
 use andon_learn::job_file::{JobFile, TaughtIu};
 use shm_schemas::{Printed, PrintedState, Showing, Task, TaskKind, VerdictMeasure};
 
 use super::super::{RoleError, jobs};
 use super::is_due;
 use crate::made::{Made, hash_of};
+use crate::mark::Mark;
 
 /// An executor that runs answers within one turn. It is less than a browser waits for.
 const PATIENCE: Duration = Duration::from_secs(3);
@@ -48,7 +48,9 @@ pub(super) struct Engineer {
     printed: Reader<Printed>,
     waiting: Vec<(Order, u64, Instant)>,
     looked: Option<Instant>,
-    search: Option<JoinHandle<Known>>,
+    /// The files that the board knows of, as they were then.
+    marks: Vec<(PathBuf, Mark)>,
+    search: Option<JoinHandle<Search>>,
     fetches: Option<SyncSender<Fetch>>,
 }
 
@@ -61,6 +63,7 @@ impl Engineer {
             printed: node.reader()?,
             waiting: Vec::new(),
             looked: None,
+            marks: Vec::new(),
             search: None,
             fetches: None,
         })
@@ -125,14 +128,16 @@ impl Engineer {
 
     /// Begins to look which files there are where somebody looks at them, and takes what was found.
     fn look(&mut self, board: &mut Board) {
-        if let Some(Ok(known)) = self.search.take_if(|search| search.is_finished()).map(JoinHandle::join) {
+        let found = self.search.take_if(|search| search.is_finished()).map(JoinHandle::join);
+        if let Some(Ok(Some((marks, known)))) = found {
+            self.marks = marks;
             board.known(known);
         }
         if self.is_enabled && self.search.is_none() && board.is_engineered() && is_due(&mut self.looked, LOOK)
         {
-            let made = self.made.clone();
+            let (made, before) = (self.made.clone(), self.marks.clone());
             // Without a thread it is looked the next time.
-            self.search = Builder::new().name("desk".into()).spawn(move || known(&made)).ok();
+            self.search = Builder::new().name("desk".into()).spawn(move || search(&made, &before)).ok();
         }
     }
 
@@ -148,6 +153,15 @@ impl Engineer {
             let _ = fetches.try_send(fetch);
         }
     }
+}
+
+/// The files, and what is in them; `None` where they are those from before.
+type Search = Option<(Vec<(PathBuf, Mark)>, Known)>;
+
+fn search(made: &Made, before: &[(PathBuf, Mark)]) -> Search {
+    let marks = made.marks();
+    // What is written from now on is another one the next time.
+    (marks != before).then(|| (marks, known(made)))
 }
 
 fn known(made: &Made) -> Known {
@@ -272,9 +286,7 @@ fn report(made: &Made, job: &str) -> Option<(String, String)> {
 }
 
 fn read(path: &Path) -> Option<Vec<u8>> {
-    let mut bytes = Vec::new();
-    File::open(path).ok()?.take(LARGEST).read_to_end(&mut bytes).ok()?;
-    Some(bytes)
+    file::read_up_to(path, LARGEST).ok()
 }
 
 #[cfg(test)]
