@@ -224,6 +224,20 @@ pub(super) fn check(html: &mut Html, name: &'static str, text: &str) {
     html.text(text).raw("</label>");
 }
 
+/// One of several inputs that are called by their number: how its id begins, the key of its label and the number; then its attributes and its value.
+pub(super) fn numbered(
+    html: &mut Html,
+    words: &Table,
+    (id, key, number): (&'static str, &str, u32),
+    attributes: &'static str,
+    value: &str,
+) {
+    let number = number.to_string();
+    html.raw("<label for=\"").raw(id).text(&number).raw("\">");
+    html.text(&words.fill(key, &[("number", &number)])).raw("</label><input id=\"").raw(id).text(&number);
+    html.raw("\" ").raw(attributes).raw(" value=\"").text(value).raw("\">");
+}
+
 /// Markers, the camera's picture, and the calibration.
 fn bench(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor) {
     html.raw("<p class=\"keys\">");
@@ -235,13 +249,8 @@ fn bench(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor) {
     html.element("<label for=\"side\">", words.say("engineer.side"), "</label>");
     html.raw("<input id=\"side\" name=\"side\" value=\"0.04\" inputmode=\"decimal\" maxlength=\"8\">");
     for (number, corner) in (1..).zip(CORNERS) {
-        let number: u32 = number;
-        html.raw("<label for=\"m").text(&number.to_string()).raw("\">");
-        html.text(&words.fill("engineer.marker", &[("number", &number.to_string())])).raw("</label>");
-        html.raw("<input id=\"m")
-            .text(&number.to_string())
-            .raw("\" name=\"marker\" maxlength=\"24\" value=\"");
-        html.raw("=").text(corner).raw("\">");
+        let marker = ("m", "engineer.marker", number);
+        numbered(html, words, marker, "name=\"marker\" maxlength=\"24\"", &format!("={corner}"));
     }
     html.element("<button name=\"do\" value=\"calibrate\">", words.say("engineer.calibrate"), "</button>");
     html.raw("</form></details>");
@@ -257,10 +266,7 @@ fn station(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor)
     html.element("<label for=\"camera\">", words.say("engineer.camera"), "</label>");
     html.raw("<input id=\"camera\" name=\"camera\" value=\"/dev/video0\" maxlength=\"24\">");
     for number in 1..=PARTS {
-        let number = number.to_string();
-        html.raw("<label for=\"p").text(&number).raw("\">");
-        html.text(&words.fill("engineer.part", &[("number", &number)])).raw("</label>");
-        html.raw("<input id=\"p").text(&number).raw("\" name=\"part\" maxlength=\"40\">");
+        numbered(html, words, ("p", "engineer.part", number), "name=\"part\" maxlength=\"40\"", "");
     }
     html.element("<button name=\"do\" value=\"new\">", words.say("engineer.new"), "</button>");
     html.raw("</form></details>");

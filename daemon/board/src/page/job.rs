@@ -2,7 +2,7 @@
 
 use shm_schemas::VerdictMeasure;
 
-use super::engineer::{self, button, check, is_in_force, order_form, task};
+use super::engineer::{self, button, check, is_in_force, numbered, order_form, task};
 use super::plot;
 use super::technician::heads;
 use crate::access::Visitor;
@@ -53,12 +53,9 @@ pub(super) fn draw_whole(
 /// What its steps are called. The names belong to a form that stands apart, so that new ones are drawn and nobody loses what they are typing.
 fn names(html: &mut Html, words: &Table, job: &KnownJob) {
     html.element("<section id=\"names\"><h2>", words.say("engineer.names"), "</h2><div class=\"order\">");
-    for (number, name) in (1_u32..).zip(&job.steps) {
-        let number = number.to_string();
-        html.raw("<label for=\"s").text(&number).raw("\">");
-        html.text(&words.fill("label.step", &[("number", &number)]))
-            .raw("</label><input form=\"naming\" id=\"s");
-        html.text(&number).raw("\" name=\"step\" required maxlength=\"60\" value=\"").text(name).raw("\">");
+    for (number, name) in (1..).zip(&job.steps) {
+        let attributes = "form=\"naming\" name=\"step\" required maxlength=\"60\"";
+        numbered(html, words, ("s", "label.step", number), attributes, name);
     }
     html.element(
         "<button form=\"naming\" name=\"do\" value=\"name\">",
