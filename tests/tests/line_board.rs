@@ -135,6 +135,16 @@ fn events_are_listed_newest_first_and_a_deep_link_a_reload_and_the_back_button_k
     browser.keep(&tab, "technician");
     browser.resize(&tab, FULL_HD);
 
+    // What is drawn anew stays in its place. Where what has the focus goes, what is beside it gets the focus.
+    browser.value(&tab, "window.row = document.querySelector('#roles tbody tr'); window.told = row.innerText");
+    browser.until(&tab, "row.innerText !== told");
+    assert_eq!(browser.value(&tab, "row.isConnected"), json!(true));
+    let goes = "
+        document.querySelector('#events tbody a').focus();
+        show('<section id=events><p><a href=/technician>beside</a></p></section>');
+        document.activeElement.innerText";
+    assert_eq!(browser.value(&tab, goes), json!("beside"));
+
     // The fault is chosen in the form, and the address has it.
     let choose = "
         const faults = document.getElementById('fault');

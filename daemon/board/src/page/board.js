@@ -70,34 +70,92 @@ function hear() {
 /** @param {string} drawn elements of the page, each with its id */
 function show(drawn) {
     const fresh = new DOMParser().parseFromString(drawn, "text/html").body;
+    const focused = document.activeElement;
+    const around = ancestors(focused);
     for (const element of Array.from(fresh.children)) {
         const shown = document.getElementById(element.id);
-        // What is as it was is left alone, with its focus and whatever is marked in it.
-        if (shown && shown.outerHTML !== element.outerHTML) {
-            replace(shown, element);
+        if (shown) {
+            follow(shown, element);
         }
+    }
+    if (focused && !focused.isConnected) {
+        // Who uses the keyboard goes on beside what has gone.
+        const rest = around.find((element) => element.isConnected);
+        /** @type {HTMLElement | null | undefined} */ (rest?.querySelector("a[href], button, input, select"))?.focus();
     }
 }
 
 /**
- * What finds a link or a button again after it was drawn anew.
+ * What an element lies in, from inside to outside.
  * @param {Element | null} element
  */
-function selector(element) {
-    const names = ["href", "name", "value"].filter((name) => element?.hasAttribute(name));
-    const values = names.map((name) => `[${name}="${CSS.escape(element?.getAttribute(name) ?? "")}"]`);
-    return values.length > 0 ? `${element?.localName}${values.join("")}` : "";
+function ancestors(element) {
+    const found = [];
+    for (let parent = element?.parentElement; parent; parent = parent.parentElement) {
+        found.push(parent);
+    }
+    return found;
 }
 
 /**
- * @param {HTMLElement} shown
- * @param {Element} fresh
+ * Makes a node as it was drawn anew. What is in both stays in its place, with its focus, with what is marked in it, and as far as it is scrolled.
+ * @param {Node} shown
+ * @param {Node} fresh
  */
-function replace(shown, fresh) {
-    const focus = shown.contains(document.activeElement) ? selector(document.activeElement) : "";
-    shown.replaceWith(document.importNode(fresh, true));
-    if (focus) {
-        /** @type {HTMLElement | null} */ (document.querySelector(focus))?.focus();
+function follow(shown, fresh) {
+    if (shown.isEqualNode(fresh)) {
+        return;
+    }
+    if (!(shown instanceof Element && fresh instanceof Element)) {
+        shown.nodeValue = fresh.nodeValue;
+        return;
+    }
+    for (const { name } of Array.from(shown.attributes).filter(({ name }) => !fresh.hasAttribute(name))) {
+        shown.removeAttribute(name);
+    }
+    for (const { name, value } of Array.from(fresh.attributes)) {
+        // An image that is given its address again is loaded again.
+        if (shown.getAttribute(name) !== value) {
+            shown.setAttribute(name, value);
+        }
+    }
+    let next = shown.firstChild;
+    for (const child of Array.from(fresh.childNodes)) {
+        const same = counterpart(next, child);
+        if (same) {
+            removeUntil(next, same);
+            follow(same, child);
+            next = same.nextSibling;
+        } else {
+            shown.insertBefore(document.importNode(child, true), next);
+        }
+    }
+    removeUntil(next, null);
+}
+
+/**
+ * The node among these siblings that was drawn for the same: of the same kind, and with the same id if it has one.
+ * @param {ChildNode | null} first
+ * @param {ChildNode} fresh
+ */
+function counterpart(first, fresh) {
+    const id = (/** @type {ChildNode} */ node) => (node instanceof Element ? node.id : "");
+    let node = first;
+    while (node && (node.nodeName !== fresh.nodeName || id(node) !== id(fresh))) {
+        node = node.nextSibling;
+    }
+    return node;
+}
+
+/**
+ * @param {ChildNode | null} first
+ * @param {ChildNode | null} end which stays, as all behind it do
+ */
+function removeUntil(first, end) {
+    for (let node = first; node && node !== end; ) {
+        const next = node.nextSibling;
+        node.remove();
+        node = next;
     }
 }
 
