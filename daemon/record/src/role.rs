@@ -128,8 +128,11 @@ struct Recording<N> {
     tasks: Tap<Task>,
     printed: Tap<Printed>,
     pictures: PictureMaker,
-    /// The newest frame, until `perceive` has looked at it: to encode it meanwhile would make verdicts later on a machine that has few processors.
+    /// The newest frame, until the judge has the couples that it led to: to encode it meanwhile would make verdicts later on a machine that has few
+    /// processors.
     waiting: Option<FrameSample>,
+    /// When couples were sent last.
+    coupled: MonotonicTime,
     recorder: Recorder<ToDisk>,
     narrator: N,
     /// The job that the recordings carry.
@@ -177,6 +180,7 @@ pub fn run<N: Narrator>(
         printed: Tap::new(node)?,
         pictures: PictureMaker::new(&record),
         waiting: None,
+        coupled: MonotonicTime::now(),
         recorder,
         narrator,
         model_hash: 0,
@@ -250,7 +254,13 @@ impl<N: Narrator> Role for Recording<N> {
         if let Some(losses) = self.detections.news() {
             self.say_losses(&losses);
         }
-        drain!(self, couples);
+        while let Some(couples) = self.couples.reader.take().map_err(CycleError::from)? {
+            self.keep(&*couples, false);
+            self.coupled = MonotonicTime::sent(&couples.stamp);
+        }
+        if let Some(losses) = self.couples.news() {
+            self.say_losses(&losses);
+        }
         if self.is_waiting_over() {
             self.take_waiting();
         }
@@ -322,10 +332,13 @@ impl<N: Narrator> Recording<N> {
         Ok(())
     }
 
-    /// Whether `perceive` has looked at the frame that waits.
+    /// Whether `perceive` and then `encode` have done with the frame that waits. Couples may be of an earlier frame, so the order of sending tells.
     fn is_waiting_over(&self) -> bool {
         let newest = self.waiting.as_ref().zip(self.recent.back());
-        newest.is_some_and(|(frame, seen)| frame.header().stamp.captured_ns <= seen.stamp.captured_ns)
+        newest.is_some_and(|(frame, seen)| {
+            frame.header().stamp.captured_ns <= seen.stamp.captured_ns
+                && MonotonicTime::sent(&seen.stamp) < self.coupled
+        })
     }
 
     /// Keeps the picture of the frame that waits.
