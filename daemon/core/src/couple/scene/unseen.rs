@@ -294,20 +294,15 @@ impl Scene {
     }
 
     /// Whether the hand moves away from `o_j`, and not all frames that would show whether it has left it were clear. Or it moves along `o_j`, and it
-    /// is not seen what comes after that.
+    /// is not seen what comes after that. These are the frames in which that motion is measured: one more than those in which a contact is believed.
     pub(super) fn may_have_left(&self, hand: usize, interaction: Interaction, age: usize) -> bool {
-        let ahead = contact::ahead(age, self.method.persist_frames);
         let Interaction::Acts { j, .. } = interaction else { return false };
-        let hidden = ahead & !self.clear[hand];
+        let measured = contact::ahead(age, self.method.persist_frames + 1);
+        let hidden = measured & !self.clear[hand];
+        let is_end_hidden = hidden >> measured.trailing_zeros() & 1 == 1;
         hidden != 0
             && (self.moves_away(hand, j, age).is_some()
-                || self.is_end_hidden(hand, age) && self.slips_until(hand, j, age).is_some())
-    }
-
-    /// Whether the newest of the frames in which a change would be believed was not clear.
-    fn is_end_hidden(&self, hand: usize, age: usize) -> bool {
-        let ahead = contact::ahead(age, self.method.persist_frames);
-        !self.clear[hand] >> ahead.trailing_zeros() & 1 == 1
+                || is_end_hidden && self.slips_until(hand, j, age).is_some())
     }
 
     /// Whether fewer than half of the frames in which a change would be believed were clear.
