@@ -9,6 +9,7 @@
 //!
 //! One task runs at a time: two that teach would write the same job. A second one is refused, and the board says so.
 
+mod change;
 mod child;
 mod plan;
 
@@ -19,14 +20,17 @@ use andon_host::config::Config;
 use andon_host::log::{code, log};
 use andon_host::role::{Cycle, Output, Role, Turn, WAIT};
 use andon_ipc::{Node, Port, Reader, Writer};
-use shm_schemas::{AuditKind, Printed, PrintedState, Showing, TASK_TEXT_BYTES, Task, TaskKind, task_flag};
+use shm_schemas::{
+    AuditKind, Printed, PrintedState, Showing, TASK_TEXT_BYTES, Task, TaskKind, task_flag,
+};
 
 use super::audit::Auditor;
 use super::{RoleError, disabled};
 use crate::made::Made;
 use crate::tool::teach::showing_after;
+use change::Before;
 use child::Child;
-use plan::Step;
+use plan::{Plan, Step};
 
 /// How often it looks at what a task has printed.
 const TURN: Duration = Duration::from_millis(50);
@@ -85,16 +89,14 @@ struct Running {
     rest: VecDeque<Step>,
     showing: Option<Showing>,
     is_stopped: bool,
+    /// What it has changed by itself.
+    before: Before,
 }
 
-impl Running {
-    /// Begins the first of the steps that are left; `None` where none is.
-    fn begin(task: &Task, mut rest: VecDeque<Step>, config: &Config) -> std::io::Result<Option<Self>> {
-        let Some(step) = rest.pop_front() else { return Ok(None) };
-        // A job that is taught again finds there what it was taught from.
-        let child = Child::start(&step.arguments, &config.films())?;
-        Ok(Some(Self { task: *task, child, step, rest, showing: None, is_stopped: false }))
-    }
+/// Begins a step.
+fn start(step: &Step, config: &Config) -> std::io::Result<Child> {
+    // A job that is taught again finds there what it was taught from.
+    Child::start(&step.arguments, &config.films())
 }
 
 impl Role for Executor<'_> {
@@ -120,6 +122,8 @@ impl Role for Executor<'_> {
     fn stop(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         let Some(mut running) = self.running.take() else { return Ok(()) };
         running.child.end();
+        let is_good = running.child.ended().and_then(|status| status.code());
+        running.before.put_back(is_good.is_some_and(|code| running.step.good.contains(&code)));
         self.end(cycle, &running.task, PrintedState::Stopped, "the role executor was stopped")
     }
 }
@@ -130,7 +134,7 @@ impl Executor<'_> {
             Ok(TaskKind::Answer) => self.answer(cycle, task),
             Ok(TaskKind::Stop) => self.end_running(cycle, task),
             Ok(kind) if self.running.is_none() => match plan::of(kind, task, self.config) {
-                Ok(steps) => self.begin(cycle, task, steps),
+                Ok(plan) => self.begin(cycle, task, plan),
                 Err(why) => self.refuse(cycle, task, &why),
             },
             Ok(_) => self.refuse(cycle, task, "another task is running: wait for its end, or stop it"),
@@ -138,10 +142,16 @@ impl Executor<'_> {
         }
     }
 
-    fn begin(&mut self, cycle: &mut Cycle<'_>, task: &Task, steps: VecDeque<Step>) -> Result<(), RoleError> {
-        match Running::begin(task, steps, self.config) {
-            Ok(running) => self.running = running,
-            Err(error) => return self.refuse(cycle, task, &format!("andond cannot be started: {error}")),
+    fn begin(&mut self, cycle: &mut Cycle<'_>, task: &Task, plan: Plan) -> Result<(), RoleError> {
+        let Plan { changes, steps: mut rest } = plan;
+        let Some(step) = rest.pop_front() else { return self.refuse(cycle, task, "this is no command") };
+        match change::and_begin(changes, || start(&step, self.config)) {
+            Ok((child, before)) => {
+                let task = *task;
+                self.running =
+                    Some(Running { task, child, step, rest, showing: None, is_stopped: false, before });
+            }
+            Err(why) => return self.refuse(cycle, task, &why),
         }
         log!(code::TASK_BEGUN, "{}", said(task, PrintedState::Begun.name()));
         self.audit(cycle, task, PrintedState::Begun.name())?;
@@ -161,24 +171,23 @@ impl Executor<'_> {
             self.running = Some(running);
             return Ok(());
         };
-        let Running { task, step, rest, is_stopped, .. } = running;
-        if is_stopped {
-            return self.end(cycle, &task, PrintedState::Stopped, "");
+        let is_good = status.code().is_some_and(|code| running.step.good.contains(&code));
+        let (state, why) = match running.rest.pop_front() {
+            _ if running.is_stopped => (PrintedState::Stopped, String::new()),
+            None if is_good => (PrintedState::Done, String::new()),
+            Some(next) if is_good => match start(&next, self.config) {
+                Ok(child) => {
+                    self.running = Some(Running { child, step: next, showing: None, ..running });
+                    return Ok(());
+                }
+                Err(error) => (PrintedState::Failed, format!("andond cannot be started: {error}")),
+            },
+            _ => (PrintedState::Failed, String::new()),
+        };
+        if state != PrintedState::Done {
+            running.before.put_back(is_good);
         }
-        if !status.code().is_some_and(|code| step.good.contains(&code)) {
-            return self.end(cycle, &task, PrintedState::Failed, "");
-        }
-        match Running::begin(&task, rest, self.config) {
-            Ok(Some(running)) => {
-                self.running = Some(running);
-                Ok(())
-            }
-            Ok(None) => self.end(cycle, &task, PrintedState::Done, ""),
-            Err(error) => {
-                let why = format!("andond cannot be started: {error}");
-                self.end(cycle, &task, PrintedState::Failed, &why)
-            }
-        }
+        self.end(cycle, &running.task, state, &why)
     }
 
     fn answer(&mut self, cycle: &mut Cycle<'_>, task: &Task) -> Result<(), RoleError> {

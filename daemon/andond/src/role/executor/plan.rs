@@ -8,12 +8,12 @@ use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use andon_host::atomic;
 use andon_host::config::Config;
 use andon_ipc::is_station_name;
 use shm_schemas::{Task, TaskKind, task_flag};
 
 use super::super::jobs;
+use super::change::Change;
 use crate::made::{Made, hash_of, is_hash, is_name};
 
 /// Exit codes of a command that has done what was asked for.
@@ -36,15 +36,23 @@ pub(super) struct Step {
     pub(super) good: &'static [i32],
 }
 
-/// The commands of a task, and what must be done before them.
+/// What a task is.
+#[derive(Debug)]
+pub(super) struct Plan {
+    /// What it changes by itself.
+    pub(super) changes: Vec<Change>,
+    pub(super) steps: VecDeque<Step>,
+}
+
+/// The commands of a task, and what it changes before them. Nothing is done yet.
 ///
 /// # Errors
 /// Why it is not done, in words for whoever has ordered it.
-pub(super) fn of(kind: TaskKind, task: &Task, config: &Config) -> Result<VecDeque<Step>, String> {
+pub(super) fn of(kind: TaskKind, task: &Task, config: &Config) -> Result<Plan, String> {
     if [task.name(), task.text()].concat().chars().any(|one| one.is_control() && one != '\n') {
         return Err("a name or text has a character that is none".into());
     }
-    let desk = Desk { config, made: Made::new(config), task };
+    let mut desk = Desk { config, made: Made::new(config), task, changes: Vec::new() };
     let steps = match kind {
         TaskKind::TeachLive => {
             let count: u16 = task.text().parse().unwrap_or(0);
@@ -79,10 +87,10 @@ pub(super) fn of(kind: TaskKind, task: &Task, config: &Config) -> Result<VecDequ
             teach.extend(["--without".into(), run.into()]);
             vec![desk.step("teach", teach)]
         }
-        TaskKind::Load => vec![desk.load()?],
+        TaskKind::Load => vec![desk.load(desk.known_job()?)],
         TaskKind::RollBack => {
-            desk.put_back()?;
-            vec![desk.load()?]
+            let job = desk.put_back()?;
+            vec![desk.load(job)]
         }
         TaskKind::Name => {
             let names = task.text().lines().map(OsString::from);
@@ -102,13 +110,14 @@ pub(super) fn of(kind: TaskKind, task: &Task, config: &Config) -> Result<VecDequ
         TaskKind::New => vec![desk.new_station()?],
         TaskKind::Answer | TaskKind::Stop => return Err("this is no command".into()),
     };
-    Ok(steps.into())
+    Ok(Plan { changes: desk.changes, steps: steps.into() })
 }
 
 struct Desk<'a> {
     config: &'a Config,
     made: Made,
     task: &'a Task,
+    changes: Vec<Change>,
 }
 
 impl Desk<'_> {
@@ -142,28 +151,31 @@ impl Desk<'_> {
     }
 
     /// The arguments that teach a new job, or one in the place of another.
-    fn teach_anew(&self) -> Result<Vec<OsString>, String> {
+    fn teach_anew(&mut self) -> Result<Vec<OsString>, String> {
         let job = self.job()?;
-        if job.exists() && !self.has(task_flag::FORCE) {
-            return Err(format!(
-                "there is a job {} already: choose another name, or say that it is to be replaced",
-                self.task.name()
-            ));
+        if !self.has(task_flag::FORCE) {
+            if job.exists() {
+                return Err(format!(
+                    "there is a job {} already: choose another name, or say that it is to be replaced",
+                    self.task.name()
+                ));
+            }
+            // That of a teaching which has left no job would be in the way.
+            self.changes.push(Change::Remove { file: self.made.report(self.task.name()) });
         }
         self.teach(&job)
     }
 
     /// The arguments that teach a job again.
-    fn teach_again(&self) -> Result<Vec<OsString>, String> {
-        self.teach(&self.known_job()?)
+    fn teach_again(&mut self) -> Result<Vec<OsString>, String> {
+        let job = self.known_job()?;
+        self.teach(&job)
     }
 
     /// What every teaching has. The version that there is now is kept.
-    fn teach(&self, job: &Path) -> Result<Vec<OsString>, String> {
+    fn teach(&mut self, job: &Path) -> Result<Vec<OsString>, String> {
         self.keep_version(job)?;
         let report = self.made.report(self.task.name());
-        // Where nothing was taught, an old one would be taken for that of this teaching. It may not be there.
-        let _ = fs::remove_file(&report);
         let mut arguments: Vec<OsString> = vec!["--out".into(), job.into(), "--report".into(), report.into()];
         if self.has(task_flag::PICTURES) {
             arguments.push("--pictures".into());
@@ -181,18 +193,17 @@ impl Desk<'_> {
     }
 
     /// Keeps the version of a job that there is, if there is one.
-    fn keep_version(&self, job: &Path) -> Result<(), String> {
-        if !job.exists() {
-            return Ok(());
+    fn keep_version(&mut self, job: &Path) -> Result<(), String> {
+        if job.exists() {
+            let file = jobs::read(job).map_err(|error| error.to_string())?;
+            let copy = self.made.version(self.task.name(), &hash_of(&file));
+            self.changes.push(Change::Keep { file: job.into(), copy });
         }
-        let file = jobs::read(job).map_err(|error| error.to_string())?;
-        let version = self.made.version(self.task.name(), &hash_of(&file));
-        let kept = fs::read(job).and_then(|bytes| atomic::write(&version, &bytes));
-        kept.map_err(|error| format!("{}: {error}", version.display()))
+        Ok(())
     }
 
     /// Puts an earlier version of the job in its place.
-    fn put_back(&self) -> Result<(), String> {
+    fn put_back(&mut self) -> Result<PathBuf, String> {
         let job = self.job()?;
         let hash = self.task.text();
         let version = self.made.version(self.task.name(), hash);
@@ -201,15 +212,15 @@ impl Desk<'_> {
         }
         // What nobody could load is not put back.
         jobs::load(&version, self.config).map_err(|error| error.to_string())?;
+        let bytes = fs::read(&version).map_err(|error| format!("{}: {error}", version.display()))?;
         self.keep_version(&job)?;
-        let put = fs::read(&version).and_then(|bytes| atomic::write(&job, &bytes));
-        put.map_err(|error| format!("{}: {error}", job.display()))
+        self.changes.push(Change::Put { file: job.clone(), bytes });
+        Ok(job)
     }
 
     /// Loads the job once none is running.
-    fn load(&self) -> Result<Step, String> {
-        let job = self.known_job()?;
-        Ok(self.step("use", vec![format!("--when-idle={IDLE_S}").into(), job.into()]))
+    fn load(&self, job: PathBuf) -> Step {
+        self.step("use", vec![format!("--when-idle={IDLE_S}").into(), job.into()])
     }
 
     /// The file of a new station, for whoever may install it.
@@ -265,6 +276,7 @@ impl Desk<'_> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use super::super::change::{Before, and_begin};
     use super::*;
 
     const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/jobs/polish-and-measure.toml");
@@ -297,7 +309,28 @@ mod tests {
                 step.arguments.iter().map(|word| word.to_string_lossy().into_owned()).collect();
             words.join(" ")
         };
-        Ok(of(kind, &task, config)?.into_iter().map(line).collect())
+        Ok(of(kind, &task, config)?.steps.into_iter().map(line).collect())
+    }
+
+    /// Plans a task, and makes what it changes.
+    fn changed(config: &Config, kind: TaskKind, text: &str, flags: u8) -> Before {
+        let mut task = Task { flags, ..Task::default() };
+        assert!(task.say("maria", "polish", text));
+        let plan = of(kind, &task, config).unwrap();
+        and_begin(plan.changes, || Ok(())).unwrap().1
+    }
+
+    /// All files of a station with their bytes.
+    fn all(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+        let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let mut all: Vec<_> =
+            entries
+                .flat_map(|path| {
+                    if path.is_dir() { all(&path) } else { vec![(path.clone(), fs::read(path).unwrap())] }
+                })
+                .collect();
+        all.sort();
+        all
     }
 
     #[test]
@@ -398,14 +431,46 @@ mod tests {
         let made = Made::new(&config);
         let job = made.job("polish");
         let first = jobs::read(&job).unwrap();
-        planned(&config, TaskKind::TeachAgain, "polish", "", 0).unwrap();
+        changed(&config, TaskKind::TeachAgain, "", 0);
         let mut second = first.clone();
         second.name = "another".into();
         fs::write(&job, second.to_toml()).unwrap();
-        planned(&config, TaskKind::RollBack, "polish", &hash_of(&first), 0).unwrap();
+        changed(&config, TaskKind::RollBack, &hash_of(&first), 0);
         assert_eq!(jobs::read(&job).unwrap().name, first.name);
         assert_eq!(made.versions("polish").len(), 2);
-        planned(&config, TaskKind::RollBack, "polish", &hash_of(&second), 0).unwrap();
+        // It was not loaded.
+        changed(&config, TaskKind::RollBack, &hash_of(&second), 0).put_back(false);
+        assert_eq!(jobs::read(&job).unwrap().name, first.name);
+        changed(&config, TaskKind::RollBack, &hash_of(&second), 0);
         assert_eq!(jobs::read(&job).unwrap().name, "another");
+    }
+
+    #[test]
+    fn a_plan_changes_nothing_and_a_report_goes_only_where_it_would_be_in_the_way() {
+        let folder = tempfile::tempdir().unwrap();
+        let config = station(folder.path());
+        let made = Made::new(&config);
+        let first = jobs::read(&made.job("polish")).unwrap();
+        fs::copy(made.job("polish"), made.version("polish", &hash_of(&first))).unwrap();
+        for report in [made.report("polish"), made.report("new")] {
+            fs::write(report, "page").unwrap();
+        }
+        let (before, hash) = (all(folder.path()), hash_of(&first));
+        for (kind, name, text, flags) in [
+            (TaskKind::TeachLive, "new", "5", 0),
+            (TaskKind::TeachFilms, "polish", "one.mp4", task_flag::FORCE),
+            (TaskKind::TeachFilms, "polish", "one.mp4", task_flag::ADD),
+            (TaskKind::TeachAgain, "polish", "", 0),
+            (TaskKind::Without, "polish", "run-2.mp4", 0),
+            (TaskKind::RollBack, "polish", hash.as_str(), 0),
+        ] {
+            planned(&config, kind, name, text, flags).unwrap();
+            assert_eq!(all(folder.path()), before, "{kind:?}");
+        }
+        changed(&config, TaskKind::TeachFilms, "one.mp4", task_flag::FORCE);
+        assert!(made.report("polish").exists());
+        fs::remove_file(made.job("polish")).unwrap();
+        changed(&config, TaskKind::TeachFilms, "one.mp4", 0);
+        assert!(!made.report("polish").exists());
     }
 }
