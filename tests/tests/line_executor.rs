@@ -275,6 +275,37 @@ fn a_role_that_is_stopped_ends_its_task_and_one_that_starts_again_does_only_what
 }
 
 #[test]
+fn a_damaged_job_is_put_back_or_taught_anew_and_a_version_that_cannot_be_loaded_leaves_the_file_as_it_was() {
+    let mut line = station();
+    let _watcher = line.launch();
+    line.start("executor");
+    line.wait_for_log("executor", "AND-629", "");
+    let mut board = Board::new(&line);
+    let (path, taught) = (line.path("jobs/polish.toml"), job(&line.path("job.toml")));
+    let hash = format!("{:016x}", taught.model_hash());
+    fs::write(line.path(&format!("made/versions/polish.{hash}.toml")), taught.to_toml()).unwrap();
+    fs::write(&path, "no job").unwrap();
+    let back = board.order(TaskKind::RollBack, "polish", &hash);
+    let (state, said) = board.ends(back);
+    assert_eq!((state, job(&path).model_hash()), (PrintedState::Done, taught.model_hash()), "{said}");
+
+    fs::write(&path, "no job").unwrap();
+    let again = board.order_with(TaskKind::TeachFilms, "polish", FILMS, task_flag::FORCE, 0);
+    let (state, said) = board.ends(again);
+    assert_eq!(state, PrintedState::Done, "{said}");
+    let other = job(&path);
+    assert_eq!(other.provenance.sources.len(), 5);
+    assert_ne!(other.model_hash(), taught.model_hash());
+    assert_eq!(fs::read_to_string(line.path("made/versions/polish.faulty.toml")).unwrap(), "no job");
+
+    // Nobody loads it.
+    line.role("judge").kill();
+    let back = board.order(TaskKind::RollBack, "polish", &hash);
+    let (state, said) = board.ends(back);
+    assert_eq!((state, job(&path).model_hash()), (PrintedState::Failed, other.model_hash()), "{said}");
+}
+
+#[test]
 fn folders_that_cannot_be_written_are_named_with_what_helps() {
     let mut line = station();
     line.reconfigure("jobs = \"jobs\"", "jobs = \"/proc/jobs\"");

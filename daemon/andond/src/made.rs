@@ -101,6 +101,11 @@ impl Made {
         self.folder.join("versions").join(format!("{job}.{hash}.toml"))
     }
 
+    /// What was in the file of a job that had a fault. It is no version.
+    pub(crate) fn faulty(&self, job: &str) -> PathBuf {
+        self.folder.join("versions").join(format!("{job}.faulty.toml"))
+    }
+
     /// The earlier versions of a job, in the order of their names.
     pub(crate) fn versions(&self, job: &str) -> Vec<PathBuf> {
         let is_of = |path: &PathBuf| {

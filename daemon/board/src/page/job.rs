@@ -117,17 +117,27 @@ fn form(html: &mut Html, attributes: &'static str, address: &Address, visitor: &
     html.raw("<input type=\"hidden\" name=\"job\" value=\"").text(&address.at).raw("\">");
 }
 
-/// Its versions, its runs, and what can be asked of it.
+/// Its versions, its runs, and what can be asked of it. One with a fault can be rolled back.
 fn versions(html: &mut Html, board: &Board, words: &Table, address: &Address) {
     html.raw("<section id=\"versions\">");
-    let Some(job) = board.desk.job(&address.at) else {
-        html.element("<p>", words.say("engineer.unknown"), "</p></section>");
-        return;
-    };
-    if !job.fault.is_empty() {
-        html.element("<p class=\"now check\" lang=\"en\">\u{25b2} ", &job.fault, "</p></section>");
-        return;
+    match board.desk.job(&address.at) {
+        None => drop(html.element("<p>", words.say("engineer.unknown"), "</p>")),
+        Some(job) if job.fault.is_empty() => {
+            keys(html, words, job);
+            table(html, board, words, job);
+            runs(html, words, job);
+        }
+        Some(job) => {
+            html.element("<p class=\"now check\" lang=\"en\">\u{25b2} ", &job.fault, "</p>");
+            if !job.earlier.is_empty() {
+                table(html, board, words, job);
+            }
+        }
     }
+    html.raw("</section>");
+}
+
+fn keys(html: &mut Html, words: &Table, job: &KnownJob) {
     html.raw("<p class=\"keys\">");
     button(html, "whatif", &job.name, words.say("engineer.whatif"));
     if job.has_report {
@@ -135,21 +145,29 @@ fn versions(html: &mut Html, board: &Board, words: &Table, address: &Address) {
         html.text(words.say("engineer.report")).raw("</a>");
     }
     html.raw("</p>");
+}
+
+fn table(html: &mut Html, board: &Board, words: &Table, job: &KnownJob) {
     html.element("<h2>", words.say("engineer.versions"), "</h2><div class=\"wide\"><table><thead><tr>");
     heads(html, words, &["version", "taught", "runs", "steps", "use"]);
     html.raw("</tr></thead><tbody>");
-    version(html, board, words, job, &job.version, true);
+    if job.fault.is_empty() {
+        version(html, board, words, job, &job.version, true);
+    }
     for earlier in &job.earlier {
         version(html, board, words, job, earlier, false);
     }
     html.raw("</tbody></table></div>");
+}
+
+fn runs(html: &mut Html, words: &Table, job: &KnownJob) {
     html.element("<h2>", words.say("label.runs"), "</h2><div class=\"wide\"><table><tbody>");
     for run in &job.runs {
         html.element("<tr><th scope=\"row\">", run, "</th><td>");
         button(html, "without", &format!("{}/{run}", job.name), words.say("engineer.without"));
         html.raw("</td></tr>");
     }
-    html.raw("</tbody></table></div></section>");
+    html.raw("</tbody></table></div>");
 }
 
 fn version(html: &mut Html, board: &Board, words: &Table, job: &KnownJob, version: &Version, is_own: bool) {
@@ -159,13 +177,16 @@ fn version(html: &mut Html, board: &Board, words: &Table, job: &KnownJob, versio
         html.element("<td>", &number.to_string(), "</td>");
     }
     html.raw("<td>");
-    match (is_in_force(board, &version.hash), is_own) {
-        (true, _) => drop(html.element("\u{2713} ", words.say("engineer.in_force"), "")),
-        (false, true) => button(html, "load", &job.name, words.say("engineer.load")),
-        (false, false) => {
-            let value = format!("{}/{}", job.name, version.hash);
-            button(html, "back", &value, words.say("engineer.roll_back"));
-        }
+    let is_in_force = is_in_force(board, &version.hash);
+    if is_in_force {
+        html.element("\u{2713} ", words.say("engineer.in_force"), " ");
+    }
+    if !is_own {
+        // Also one by which the line still judges: the file of the job is another one.
+        let value = format!("{}/{}", job.name, version.hash);
+        button(html, "back", &value, words.say("engineer.roll_back"));
+    } else if !is_in_force {
+        button(html, "load", &job.name, words.say("engineer.load"));
     }
     html.raw("</td></tr>");
 }

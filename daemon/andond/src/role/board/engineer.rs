@@ -183,15 +183,20 @@ fn stem(path: &Path) -> String {
 
 fn job(made: &Made, path: &Path) -> KnownJob {
     let name = stem(path);
-    let file = match jobs::read(path) {
-        Ok(file) => file,
-        Err(fault) => return KnownJob { name, fault: fault.to_string(), ..KnownJob::default() },
-    };
-    let own = version(&file);
     let versions = made.versions(&name).into_iter().filter_map(|path| jobs::read(&path).ok());
     let mut earlier: Vec<Version> = versions.map(|file| version(&file)).collect();
-    earlier.retain(|version| version.hash != own.hash);
     earlier.sort_by(|one, other| other.date.cmp(&one.date));
+    let has_report = made.report(&name).is_file();
+    let file = match jobs::read(path) {
+        Ok(file) => file,
+        Err(fault) => {
+            let put_back = if earlier.is_empty() { "" } else { "put back an earlier version, or " };
+            let fault = format!("{fault}; {put_back}teach a job of this name in its place");
+            return KnownJob { name, fault, earlier, has_report, ..KnownJob::default() };
+        }
+    };
+    let own = version(&file);
+    earlier.retain(|version| version.hash != own.hash);
     KnownJob {
         fault: String::new(),
         number: file.id,
@@ -201,7 +206,7 @@ fn job(made: &Made, path: &Path) -> KnownJob {
         runs: file.provenance.sources.iter().map(|source| source.name.clone()).collect(),
         measured: measured(&file),
         earlier,
-        has_report: made.report(&name).is_file(),
+        has_report,
         name,
     }
 }
@@ -293,6 +298,25 @@ fn read(path: &Path) -> Option<Vec<u8>> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+
+    #[test]
+    fn a_job_file_with_a_fault_is_shown_with_the_versions_that_can_be_put_back_and_with_what_helps() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut config = Config::default();
+        config.executor.path = Some(folder.path().into());
+        config.station.jobs = folder.path().join("jobs");
+        let made = Made::new(&config);
+        made.folders().iter().for_each(|folder| std::fs::create_dir_all(folder).unwrap());
+        std::fs::write(made.job("polish"), "no job").unwrap();
+        let known = job(&made, &made.job("polish"));
+        assert!(known.fault.ends_with("; teach a job of this name in its place"), "{}", known.fault);
+        let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/jobs/polish-and-measure.toml");
+        let hash = hash_of(&jobs::read(&shipped).unwrap());
+        std::fs::copy(shipped, made.version("polish", &hash)).unwrap();
+        let known = job(&made, &made.job("polish"));
+        assert_eq!(known.earlier.iter().map(|version| &version.hash).collect::<Vec<_>>(), [&hash]);
+        assert!(known.fault.contains("put back an earlier version, or teach"), "{}", known.fault);
+    }
 
     #[test]
     fn a_report_is_served_with_its_style_apart_and_no_name_leads_out_of_its_folder() {

@@ -163,18 +163,18 @@ impl Desk<'_> {
             // That of a teaching which has left no job would be in the way.
             self.changes.push(Change::Remove { file: self.made.report(self.task.name()) });
         }
-        self.teach(&job)
+        Ok(self.teach(&job))
     }
 
     /// The arguments that teach a job again.
     fn teach_again(&mut self) -> Result<Vec<OsString>, String> {
         let job = self.known_job()?;
-        self.teach(&job)
+        Ok(self.teach(&job))
     }
 
     /// What every teaching has. The version that there is now is kept.
-    fn teach(&mut self, job: &Path) -> Result<Vec<OsString>, String> {
-        self.keep_version(job)?;
+    fn teach(&mut self, job: &Path) -> Vec<OsString> {
+        self.keep_version(job);
         let report = self.made.report(self.task.name());
         let mut arguments: Vec<OsString> = vec!["--out".into(), job.into(), "--report".into(), report.into()];
         if self.has(task_flag::PICTURES) {
@@ -183,7 +183,7 @@ impl Desk<'_> {
         if self.has(task_flag::FORCE) {
             arguments.push("--force".into());
         }
-        Ok(arguments)
+        arguments
     }
 
     fn films(&self) -> Result<Vec<PathBuf>, String> {
@@ -192,14 +192,15 @@ impl Desk<'_> {
         if films.is_empty() { Err("no recording was chosen".into()) } else { Ok(films) }
     }
 
-    /// Keeps the version of a job that there is, if there is one.
-    fn keep_version(&mut self, job: &Path) -> Result<(), String> {
+    /// Keeps the version of a job that there is, if there is one. A file with a fault is kept as well, so that nothing is lost.
+    fn keep_version(&mut self, job: &Path) {
         if job.exists() {
-            let file = jobs::read(job).map_err(|error| error.to_string())?;
-            let copy = self.made.version(self.task.name(), &hash_of(&file));
+            let copy = match jobs::read(job) {
+                Ok(file) => self.made.version(self.task.name(), &hash_of(&file)),
+                Err(_) => self.made.faulty(self.task.name()),
+            };
             self.changes.push(Change::Keep { file: job.into(), copy });
         }
-        Ok(())
     }
 
     /// Puts an earlier version of the job in its place.
@@ -213,7 +214,7 @@ impl Desk<'_> {
         // What nobody could load is not put back.
         jobs::load(&version, self.config).map_err(|error| error.to_string())?;
         let bytes = fs::read(&version).map_err(|error| format!("{}: {error}", version.display()))?;
-        self.keep_version(&job)?;
+        self.keep_version(&job);
         self.changes.push(Change::Put { file: job.clone(), bytes });
         Ok(job)
     }
@@ -472,5 +473,21 @@ mod tests {
         fs::remove_file(made.job("polish")).unwrap();
         changed(&config, TaskKind::TeachFilms, "one.mp4", 0);
         assert!(!made.report("polish").exists());
+    }
+
+    #[test]
+    fn a_job_file_with_a_fault_is_replaced_and_rolled_back_and_its_bytes_are_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let config = station(folder.path());
+        let made = Made::new(&config);
+        let job = made.job("polish");
+        let first = jobs::read(&job).unwrap();
+        changed(&config, TaskKind::TeachAgain, "", 0);
+        fs::write(&job, "no job").unwrap();
+        changed(&config, TaskKind::TeachFilms, "one.mp4", task_flag::FORCE);
+        changed(&config, TaskKind::RollBack, &hash_of(&first), 0);
+        assert_eq!(jobs::read(&job).unwrap().model_hash(), first.model_hash());
+        assert_eq!(fs::read_to_string(made.faulty("polish")).unwrap(), "no job");
+        assert_eq!(made.versions("polish").len(), 1, "it is no version");
     }
 }
