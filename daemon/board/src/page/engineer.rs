@@ -194,7 +194,6 @@ fn teach(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor) {
     html.element("<label for=\"count\">", words.say("engineer.count"), "</label>");
     html.raw("<input id=\"count\" name=\"count\" type=\"number\" min=\"1\" max=\"50\" value=\"5\">");
     check(html, "force", words.say("engineer.force"));
-    check(html, "add", words.say("engineer.add"));
     check(html, "pictures", words.say("engineer.pictures"));
     html.element("<button name=\"do\" value=\"live\">", words.say("engineer.show"), "</button>");
     html.raw("</form></section>");
@@ -211,6 +210,9 @@ fn films(html: &mut Html, board: &Board, words: &Table) {
         html.raw("<label class=\"tick\"><input form=\"teaching\" type=\"checkbox\" name=\"film\" value=\"");
         html.text(film).raw("\">").text(film).raw("</label>");
     }
+    // Only recordings can be added.
+    html.raw("<label class=\"tick\"><input form=\"teaching\" type=\"checkbox\" name=\"add\" value=\"1\">");
+    html.text(words.say("engineer.add")).raw("</label>");
     html.element(
         "<button form=\"teaching\" name=\"do\" value=\"films\">",
         words.say("engineer.learn"),

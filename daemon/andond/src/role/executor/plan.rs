@@ -59,6 +59,11 @@ pub(super) fn of(kind: TaskKind, task: &Task, config: &Config) -> Result<Plan, S
             if !(1..=MOST_RUNS).contains(&count) {
                 return Err(format!("a job is shown 1 to {MOST_RUNS} times"));
             }
+            if desk.has(task_flag::ADD) {
+                return Err("what is shown at the bench is taught as a job of its own, and only recordings are added to one: leave that \
+                            out, or call pieces right on the technician's page and teach the job again with them"
+                    .into());
+            }
             let mut teach = desk.teach_anew()?;
             teach.extend(["--live".into(), format!("--count={count}").into()]);
             vec![desk.step("teach", teach)]
@@ -420,6 +425,8 @@ mod tests {
         for text in ["", "../../x", "0123456789abcdef", "0123456789abcde/"] {
             assert!(planned(&config, TaskKind::RollBack, "polish", text, 0).is_err(), "{text}");
         }
+        let added = planned(&config, TaskKind::TeachLive, "polish", "5", task_flag::ADD | task_flag::FORCE);
+        assert!(added.unwrap_err().contains("only recordings are added"));
         let exists = planned(&config, TaskKind::TeachLive, "polish", "5", 0).unwrap_err();
         assert!(exists.contains("choose another name"), "{exists}");
         assert_eq!(fs::read(folder.path().join("jobs/polish.toml")).unwrap(), before);
