@@ -15,6 +15,7 @@ use shm_schemas::{Task, TaskKind, task_flag};
 use super::super::jobs;
 use super::change::Change;
 use crate::made::{Made, hash_of, is_hash, is_name};
+use crate::step_pictures;
 
 /// Exit codes of a command that has done what was asked for.
 const DONE: &[i32] = &[0];
@@ -168,21 +169,23 @@ impl Desk<'_> {
             // That of a teaching which has left no job would be in the way.
             self.changes.push(Change::Remove { file: self.made.report(self.task.name()) });
         }
-        Ok(self.teach(&job))
+        Ok(self.teach(&job, false))
     }
 
-    /// The arguments that teach a job again.
+    /// The arguments that teach a job again. One that has pictures of its steps goes on having them.
     fn teach_again(&mut self) -> Result<Vec<OsString>, String> {
         let job = self.known_job()?;
-        Ok(self.teach(&job))
+        let hash = jobs::read(&job).map(|file| file.model_hash()).ok();
+        let has_pictures = step_pictures::beside(&job).iter().any(|picture| Some(picture.model_hash) == hash);
+        Ok(self.teach(&job, has_pictures))
     }
 
     /// What every teaching has. The version that there is now is kept.
-    fn teach(&mut self, job: &Path) -> Vec<OsString> {
+    fn teach(&mut self, job: &Path, has_pictures: bool) -> Vec<OsString> {
         self.keep_version(job);
         let report = self.made.report(self.task.name());
         let mut arguments: Vec<OsString> = vec!["--out".into(), job.into(), "--report".into(), report.into()];
-        if self.has(task_flag::PICTURES) {
+        if has_pictures || self.has(task_flag::PICTURES) {
             arguments.push("--pictures".into());
         }
         if self.has(task_flag::FORCE) {
@@ -366,6 +369,15 @@ mod tests {
             plan(TaskKind::Without, "polish", "run-2.mp4", 0),
             [format!("{teach} --without run-2.mp4")]
         );
+        // It goes on having pictures of its steps; one of another job is none.
+        let hash = jobs::read(&folder.path().join("jobs/polish.toml")).unwrap().model_hash();
+        for (hash, more) in [(hash ^ 1, ""), (hash, " --pictures")] {
+            fs::write(at(&format!("jobs/polish.{hash:016x}.step-1.jpg")), "jpeg").unwrap();
+            assert_eq!(
+                plan(TaskKind::TeachAgain, "polish", "", 0),
+                [format!("{teach}{more} --from-history")]
+            );
+        }
         assert_eq!(
             plan(TaskKind::Name, "polish", "-x\n$(rm)", 0),
             [format!("name {station} {job} -- -x $(rm)")]

@@ -39,6 +39,10 @@ use crate::{role, step_pictures};
 use history::Confirmed;
 use sources::Wanted;
 
+/// What is said where the job had pictures of its steps.
+const WITHOUT_PICTURES: &str =
+    "pictures: none; those of the job before were removed, and --pictures keeps some of this one\n";
+
 /// Share of correct executions that may be accused under the rule `conformal`.
 const FALSE_ALARMS: f64 = 0.01;
 
@@ -177,15 +181,17 @@ fn step_pictures(
     config: &Config,
 ) -> Result<String, ToolError> {
     let unwritten = |(path, error): (PathBuf, std::io::Error)| cannot_write(&path)(error);
+    let found = arguments.pictures.then(|| pictures::of_steps(job, recordings, config));
     // Nobody would look for them again, and they show people at work.
-    step_pictures::beside(&arguments.out).iter().try_for_each(StepPicture::remove).map_err(unwritten)?;
-    if !arguments.pictures {
-        return Ok(String::new());
-    }
-    let found = pictures::of_steps(job, recordings, config)?;
+    let before = step_pictures::beside(&arguments.out);
+    before.iter().try_for_each(StepPicture::remove).map_err(unwritten)?;
+    let Some(found) = found.transpose()? else {
+        return Ok(String::from(if before.is_empty() { "" } else { WITHOUT_PICTURES }));
+    };
     step_pictures::write(&arguments.out, job, &found).map_err(unwritten)?;
     let (count, all) = (found.iter().flatten().count(), found.len());
-    Ok(format!("pictures: of {count} of {all} steps, beside the job\n"))
+    let why = if count < all { "; they come only from films that the job is taught from" } else { "" };
+    Ok(format!("pictures: of {count} of {all} steps, beside the job{why}\n"))
 }
 
 /// What to teach from: what was given, or what an existing job was taught from, with the changes that are asked for.
