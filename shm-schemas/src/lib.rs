@@ -58,7 +58,10 @@ pub use layout::{Layout, bytes_of, from_bytes};
 pub use measured::{MeasuredWords, decimals};
 pub use part::{BadPart, PART_BYTES, PartId};
 pub use stamp::{Message, MessageId, Stamp};
-pub use task::{Printed, PrintedState, Showing, TASK_NAME_BYTES, TASK_TEXT_BYTES, Task, TaskKind, task_flag};
+pub use task::{
+    PRINTED_TEXT_BYTES, Printed, PrintedState, Showing, TASK_NAME_BYTES, TASK_TEXT_BYTES, Task,
+    TaskKind, task_flag,
+};
 pub use verdict::{
     HandCode, NO_INDEX, NO_PERCENT, OrderFault, STATION_BYTES, Verdict, VerdictLevel, VerdictMeasure,
     VerdictNote, VerdictOutcome, VerdictReason, verdict_kind,

@@ -8,8 +8,11 @@ use crate::text::{read_text, write_text};
 /// Longest name of a task's job or file, in bytes.
 pub const TASK_NAME_BYTES: usize = 64;
 
-/// Longest text of a task, and of a line that it prints, in bytes.
-pub const TASK_TEXT_BYTES: usize = 512;
+/// Longest text of a task, in bytes: 70 recordings with names of 56 bytes, or 20 steps with names of 60 letters of which each has three bytes.
+pub const TASK_TEXT_BYTES: usize = 4096;
+
+/// Longest line that a task prints in one message, in bytes.
+pub const PRINTED_TEXT_BYTES: usize = 512;
 
 /// Bits of [`Task::flags`].
 pub mod task_flag {
@@ -83,7 +86,7 @@ codes! {
     }
 }
 
-wire! { "andon.Task", 696;
+wire! { "andon.Task", 4280;
     /// One task.
     struct Task {
         /// The stamp. It belongs to no frame.
@@ -103,7 +106,7 @@ wire! { "andon.Task", 696;
         /// The job, in UTF-8, with zeros behind it.
         name: [[u8; 16]; 4],
         /// What else is to be said, in UTF-8, with zeros behind it.
-        text: [[u8; 16]; 32],
+        text: [[[u8; 16]; 16]; 16],
     }
 }
 message!(Task);
@@ -121,7 +124,7 @@ impl Task {
 
     /// What else is to be said.
     pub fn text(&self) -> &str {
-        read_text(self.text.as_flattened())
+        read_text(self.text.as_flattened().as_flattened())
     }
 
     /// Says who orders it, for which job, and what else. False where one of the texts is too long: half of it would be another order.
@@ -129,7 +132,7 @@ impl Task {
     pub fn say(&mut self, who: &str, name: &str, text: &str) -> bool {
         write_text(who, self.who.as_flattened_mut());
         write_text(name, self.name.as_flattened_mut());
-        write_text(text, self.text.as_flattened_mut());
+        write_text(text, self.text.as_flattened_mut().as_flattened_mut());
         (self.who(), self.name(), self.text()) == (who, name, text)
     }
 }
@@ -198,5 +201,18 @@ mod tests {
         let long = core::str::from_utf8(&[b'x'; TASK_NAME_BYTES + 1]).unwrap_or_default();
         assert!(!task.say("maria", long, ""));
         assert!(!task.say(long, "polish", ""));
+        let text = [b'x'; TASK_TEXT_BYTES + 1];
+        let text =
+            |bytes: usize| core::str::from_utf8(text.get(..bytes).unwrap_or_default()).unwrap_or_default();
+        assert!(task.say("maria", "polish", text(TASK_TEXT_BYTES)));
+        assert_eq!(task.text().len(), TASK_TEXT_BYTES);
+        assert!(!task.say("maria", "polish", text(TASK_TEXT_BYTES + 1)));
+    }
+
+    #[test]
+    fn a_task_has_room_for_fifty_recordings_and_for_twenty_names_of_steps_in_any_letters() {
+        // A recording has a name of at most 56 bytes, and a name of a step has at most 60 letters, here of three bytes each.
+        let [recordings, steps] = [50 * (56 + 1), 20 * (3 * 60 + 1)];
+        assert!(recordings.max(steps) <= TASK_TEXT_BYTES);
     }
 }

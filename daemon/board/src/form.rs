@@ -2,43 +2,53 @@
 
 /// What was sent. A key that comes twice has its first value.
 #[derive(Clone, Default)]
-pub(crate) struct Form(Vec<(String, String)>);
+pub(crate) struct Form {
+    pairs: Vec<(String, String)>,
+    /// Whether it has more pairs than are read.
+    is_cut: bool,
+}
 
 /// A form may have a password.
 impl std::fmt::Debug for Form {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_list().entries(self.0.iter().map(|(key, _)| key)).finish()
+        f.debug_list().entries(self.pairs.iter().map(|(key, _)| key)).finish()
     }
 }
 
 /// More pairs than any form of the board has: one that names many steps, or many recordings, has the most.
-const MOST: usize = 64;
+const MOST: usize = 1024;
 
 impl Form {
     /// Reads what a browser sends; what cannot be read is left out.
     pub(crate) fn read(bytes: &[u8]) -> Self {
-        let pairs = bytes.split(|byte| *byte == b'&').take(MOST);
-        Self(pairs.filter_map(pair).collect())
+        let mut pairs = bytes.split(|byte| *byte == b'&');
+        let read = pairs.by_ref().take(MOST).filter_map(pair).collect();
+        Self { pairs: read, is_cut: pairs.next().is_some() }
+    }
+
+    /// Whether it has more pairs than are read. The others are then as if they had not come.
+    pub(crate) fn is_cut(&self) -> bool {
+        self.is_cut
     }
 
     /// The value of a key; empty where there is none.
     pub(crate) fn get(&self, key: &str) -> &str {
-        self.0.iter().find(|(known, _)| known == key).map_or("", |(_, value)| value)
+        self.pairs.iter().find(|(known, _)| known == key).map_or("", |(_, value)| value)
     }
 
     /// All values of a key.
     pub(crate) fn all<'a>(&'a self, key: &'a str) -> impl Iterator<Item = &'a str> {
-        self.0.iter().filter(move |(known, _)| known == key).map(|(_, value)| value.as_str())
+        self.pairs.iter().filter(move |(known, _)| known == key).map(|(_, value)| value.as_str())
     }
 
     pub(crate) fn without(mut self, key: &str) -> Self {
-        self.0.retain(|(known, _)| known != key);
+        self.pairs.retain(|(known, _)| known != key);
         self
     }
 
     /// The pairs as the query of an address, as far as a query is plain.
     pub(crate) fn query(&self) -> String {
-        self.0.iter().map(|(key, value)| format!("{key}={value}")).collect::<Vec<_>>().join("&")
+        self.pairs.iter().map(|(key, value)| format!("{key}={value}")).collect::<Vec<_>>().join("&")
     }
 }
 
@@ -87,6 +97,8 @@ mod tests {
             assert_eq!(Form::read(bytes).get("name"), "", "{bytes:?}");
         }
         let many = "a=1&".repeat(1000);
-        assert_eq!(Form::read(many.as_bytes()).0.len(), MOST);
+        let form = Form::read(many.repeat(2).as_bytes());
+        assert_eq!((form.pairs.len(), form.is_cut()), (MOST, true));
+        assert!(!Form::read(many.as_bytes()).is_cut());
     }
 }

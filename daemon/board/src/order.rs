@@ -43,6 +43,15 @@ pub enum Ordered {
     Unheard,
 }
 
+/// Why a form is no order.
+#[derive(Debug, PartialEq, Eq)]
+enum NoOrder {
+    /// It asks for nothing that there is.
+    Nothing,
+    /// It says more than an order has room for: half of it would be another order.
+    TooMuch,
+}
+
 /// What a form asks for.
 #[derive(Debug, PartialEq, Eq)]
 struct Asked {
@@ -54,8 +63,10 @@ struct Asked {
 }
 
 impl Asked {
-    /// `None` where it asks for nothing that there is.
-    fn read(form: &Form) -> Option<Self> {
+    fn read(form: &Form) -> Result<Self, NoOrder> {
+        if form.is_cut() {
+            return Err(NoOrder::TooMuch);
+        }
         let lines = |key| form.all(key).collect::<Vec<_>>().join("\n");
         let job = || form.get("job").to_owned();
         let of = |kind, name: String, text: String| Self { kind, name, text, flags: 0, showing: None };
@@ -75,8 +86,8 @@ impl Asked {
                 of(TaskKind::New, form.get("station").to_owned(), text)
             }
             "stop" => of(TaskKind::Stop, String::new(), String::new()),
-            "" => Self::of_button(form)?,
-            _ => return None,
+            "" => Self::of_button(form).ok_or(NoOrder::Nothing)?,
+            _ => return Err(NoOrder::Nothing),
         };
         for (key, flag) in
             [("force", task_flag::FORCE), ("add", task_flag::ADD), ("pictures", task_flag::PICTURES)]
@@ -84,7 +95,7 @@ impl Asked {
             asked.flags |= if form.get(key).is_empty() { 0 } else { flag };
         }
         let fits = asked.name.len() <= TASK_NAME_BYTES && asked.text.len() <= TASK_TEXT_BYTES;
-        fits.then_some(asked)
+        if fits { Ok(asked) } else { Err(NoOrder::TooMuch) }
     }
 
     /// What a button of a list asks for: its value names the job, and what of it.
@@ -118,8 +129,13 @@ impl Asked {
 
 impl Board {
     pub(crate) fn order(&mut self, form: &Form, visitor: &Visitor, address: Address) -> Response {
-        let (Some(asked), Some(session)) = (Asked::read(form), &visitor.session) else {
-            return Response::text(400, "the form asks for nothing that there is, or for too much at once\n");
+        let (asked, session) = match (Asked::read(form), &visitor.session) {
+            (Ok(asked), Some(session)) => (asked, session),
+            (Err(NoOrder::TooMuch), _) => {
+                let page = page::notice(self, &address, "engineer.too_much", "");
+                return Response::ok(HTML, page).with_status(413);
+            }
+            _ => return Response::text(400, "the form asks for nothing that there is\n"),
         };
         if !self.settings.takes_orders {
             return Response::ok(HTML, page::notice(self, &address, "engineer.off", "")).with_status(409);
@@ -159,13 +175,15 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    fn asked(form: &str) -> Option<(TaskKind, String, String, u8)> {
+    type Told = Result<(TaskKind, String, String, u8), NoOrder>;
+
+    fn asked(form: &str) -> Told {
         let Asked { kind, name, text, flags, .. } = Asked::read(&Form::read(form.as_bytes()))?;
-        Some((kind, name, text, flags))
+        Ok((kind, name, text, flags))
     }
 
-    fn task(kind: TaskKind, name: &str, text: &str, flags: u8) -> Option<(TaskKind, String, String, u8)> {
-        Some((kind, name.to_owned(), text.to_owned(), flags))
+    fn task(kind: TaskKind, name: &str, text: &str, flags: u8) -> Told {
+        Ok((kind, name.to_owned(), text.to_owned(), flags))
     }
 
     #[test]
@@ -189,17 +207,29 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_task_or_too_long_asks_for_nothing() {
-        let long = "x".repeat(TASK_TEXT_BYTES);
-        for form in [
-            "",
-            "do=delete",
-            "load=",
-            "answer=never/k",
-            &format!("load={long}"),
-            &format!("do=name&job=polish&step={long}&step={long}"),
-        ] {
-            assert_eq!(asked(form), None, "{form}");
+    fn what_is_no_task_asks_for_nothing_and_what_is_too_long_is_too_much() {
+        for form in ["", "do=delete", "load=", "answer=never/k"] {
+            assert_eq!(asked(form), Err(NoOrder::Nothing), "{form}");
         }
+        let long = "x".repeat(TASK_TEXT_BYTES);
+        let many = "film=a.mp4&".repeat(2000);
+        for form in [
+            format!("load={long}"),
+            format!("do=name&job=polish&step={long}&step={long}"),
+            format!("do=films&job=polish&{many}"),
+            format!("{many}do=films&job=polish"),
+        ] {
+            assert_eq!(asked(&form), Err(NoOrder::TooMuch), "{}", &form[..40]);
+        }
+    }
+
+    #[test]
+    fn fifty_recordings_and_twenty_long_names_of_steps_are_one_order() {
+        let films = format!("film={}.mp4&", "x".repeat(52)).repeat(50);
+        let (kind, _, text, _) = asked(&format!("do=films&job=polish&{films}")).unwrap();
+        assert_eq!((kind, text.lines().count()), (TaskKind::TeachFilms, 50));
+        let steps = format!("step={}&", "%E6%AD%A5".repeat(60)).repeat(20);
+        let (kind, _, text, _) = asked(&format!("do=name&job=polish&{steps}")).unwrap();
+        assert_eq!((kind, text.lines().count()), (TaskKind::Name, 20));
     }
 }

@@ -1,4 +1,4 @@
-//! The body of a POST: a form of a browser, which is small and comes at once.
+//! The body of a POST: a form of a browser, which comes at once.
 
 use std::future::poll_fn;
 use std::pin::Pin;
@@ -10,8 +10,8 @@ use tokio::time::timeout;
 use super::Response;
 use super::connection::REQUEST;
 
-/// The longest form.
-pub(super) const FORM_BYTES: usize = 4096;
+/// The longest form. One of the board that names twenty steps in letters of three bytes each has 11 KiB.
+pub(super) const FORM_BYTES: usize = 32 << 10;
 
 const FORM: &str = "application/x-www-form-urlencoded";
 
@@ -39,7 +39,11 @@ async fn whole(body: &mut Incoming) -> Result<Vec<u8>, Response> {
         }
         is_too_long = read.len() > FORM_BYTES;
     }
-    if is_too_long { Err(Response::text(413, "the form is too long\n")) } else { Ok(read) }
+    if is_too_long {
+        Err(Response::text(413, "the form is too long: go back, and write or choose less at once\n"))
+    } else {
+        Ok(read)
+    }
 }
 
 /// Whether the browser says that a page of this very server sends the form. Every browser of today says so with a form, and a program that says

@@ -52,17 +52,16 @@ fn an_order_that_is_none_or_too_long_is_refused_and_what_a_job_is_called_is_text
     served(|plant| {
         let session = plant.session("engineer");
         let csrf = plant.csrf(&session);
-        let long = "x".repeat(600);
-        for form in [
-            "do=delete".to_owned(),
-            "do=".to_owned(),
-            "load=".to_owned(),
-            "answer=x/k".to_owned(),
-            format!("do=name&job=polish&step={long}"),
-            format!("load={long}"),
-        ] {
+        for form in ["do=delete", "do=", "load=", "answer=x/k"] {
             let answer = plant.post("/engineer/order", &session, &format!("{form}&csrf={csrf}"));
             assert_eq!(status(&answer), 400, "{form}");
+        }
+        let long = "x".repeat(5000);
+        for form in [format!("do=name&job=polish&step={long}"), format!("load={long}")] {
+            let form = format!("{form}&csrf={csrf}&to=engineer&lang=de");
+            let answer = plant.post("/engineer/order", &session, &form);
+            assert!(status(&answer) == 413 && answer.contains("auf einmal"), "{answer}");
+            assert!(answer.contains("href=\"/engineer?lang=de\""), "it leads back: {answer}");
         }
         assert!(plant.orders.lock().unwrap().is_empty());
         let markup = "\"><script>alert(1)</script>".to_owned();

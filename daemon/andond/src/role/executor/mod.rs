@@ -21,7 +21,7 @@ use andon_host::log::{code, log};
 use andon_host::role::{Cycle, Output, Role, Turn, WAIT};
 use andon_ipc::{Node, Port, Reader, Writer};
 use shm_schemas::{
-    AuditKind, Printed, PrintedState, Showing, TASK_TEXT_BYTES, Task, TaskKind, task_flag,
+    AuditKind, PRINTED_TEXT_BYTES, Printed, PrintedState, Showing, Task, TaskKind, task_flag,
 };
 
 use super::audit::Auditor;
@@ -282,8 +282,8 @@ fn said(task: &Task, became: &str) -> String {
 fn parts(line: &str) -> Vec<&str> {
     let mut parts = Vec::new();
     let mut rest = line;
-    while rest.len() > TASK_TEXT_BYTES {
-        let (part, more) = rest.split_at(rest.floor_char_boundary(TASK_TEXT_BYTES));
+    while rest.len() > PRINTED_TEXT_BYTES {
+        let (part, more) = rest.split_at(rest.floor_char_boundary(PRINTED_TEXT_BYTES));
         parts.push(part);
         rest = more;
     }
