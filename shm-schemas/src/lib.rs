@@ -59,7 +59,7 @@ pub use measured::{MeasuredWords, decimals};
 pub use part::{BadPart, PART_BYTES, PartId};
 pub use stamp::{Message, MessageId, Stamp};
 pub use task::{
-    PRINTED_TEXT_BYTES, Printed, PrintedState, Showing, TASK_NAME_BYTES, TASK_TEXT_BYTES, Task,
+    PRINTED_TEXT_BYTES, Printed, PrintedState, Showing, TASK_LATE_NS, TASK_NAME_BYTES, TASK_TEXT_BYTES, Task,
     TaskKind, task_flag,
 };
 pub use verdict::{

@@ -14,6 +14,9 @@ pub const TASK_TEXT_BYTES: usize = 4096;
 /// Longest line that a task prints in one message, in bytes.
 pub const PRINTED_TEXT_BYTES: usize = 512;
 
+/// A task that is older than this when it comes is not done, in nanoseconds: whoever has ordered it is told soon that nobody does it.
+pub const TASK_LATE_NS: u64 = 3_000_000_000;
+
 /// Bits of [`Task::flags`].
 pub mod task_flag {
     /// Write the job in spite of doubts, and over one of its name.

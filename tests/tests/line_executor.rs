@@ -5,7 +5,7 @@ use andon_ipc::{Node, Reader, Writer};
 use andon_learn::job_file::JobFile;
 use andon_tests::line::{Line, PATIENCE, Settings, Watcher, save_runs, stand_in};
 use rustix::process::{Pid, Signal, kill_process};
-use shm_schemas::{Printed, PrintedState, RoleId, Showing, Task, TaskKind, task_flag};
+use shm_schemas::{Printed, PrintedState, RoleId, Showing, TASK_LATE_NS, Task, TaskKind, task_flag};
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -303,6 +303,26 @@ fn a_damaged_job_is_put_back_or_taught_anew_and_a_version_that_cannot_be_loaded_
     let back = board.order(TaskKind::RollBack, "polish", &hash);
     let (state, said) = board.ends(back);
     assert_eq!((state, job(&path).model_hash()), (PrintedState::Failed, other.model_hash()), "{said}");
+}
+
+#[test]
+fn an_order_that_comes_after_the_page_has_said_that_nobody_does_it_is_not_done() {
+    let mut line = station();
+    let _watcher = line.launch();
+    line.start("executor");
+    let mut board = Board::new(&line);
+    // It hears.
+    let back = board.order(TaskKind::RollBack, "polish", "none");
+    assert_eq!(board.ends(back).0, PrintedState::Refused);
+    line.role("executor").signal(Signal::STOP);
+    board.order(TaskKind::Markers, "", "");
+    std::thread::sleep(Duration::from_nanos(TASK_LATE_NS) + Duration::from_millis(100));
+    line.role("executor").signal(Signal::CONT);
+    audit(&line, "markers: refused, because it came too late");
+    // It answers what comes in time.
+    let back = board.order(TaskKind::RollBack, "polish", "none");
+    assert_eq!(board.ends(back).0, PrintedState::Refused);
+    assert_eq!(fs::read_dir(line.path("made/markers")).unwrap().count(), 0);
 }
 
 #[test]

@@ -15,15 +15,16 @@ use andon_http::Response;
 use andon_ipc::{MonotonicTime, Node, Port, Reader, Writer};
 use andon_learn::file;
 use andon_learn::job_file::{JobFile, TaughtIu};
-use shm_schemas::{Printed, PrintedState, Showing, Task, TaskKind, VerdictMeasure};
+use shm_schemas::{Printed, PrintedState, Showing, TASK_LATE_NS, Task, TaskKind, VerdictMeasure};
 
 use super::super::{RoleError, jobs};
 use super::is_due;
 use crate::made::{Made, hash_of};
 use crate::mark::Mark;
 
-/// An executor that runs answers within one turn. It is less than a browser waits for.
-const PATIENCE: Duration = Duration::from_secs(3);
+/// An executor that runs answers within one turn. It is longer than until it does nothing any more: what is said to be undone must not be done after
+/// that. It is less than a browser waits for.
+const PATIENCE: Duration = Duration::from_nanos(TASK_LATE_NS + 1_000_000_000);
 
 /// How often it is looked which files there are, while somebody looks at them.
 const LOOK: Duration = Duration::from_secs(1);

@@ -19,9 +19,9 @@ use std::time::{Duration, Instant};
 use andon_host::config::Config;
 use andon_host::log::{code, log};
 use andon_host::role::{Cycle, Output, Role, Turn, WAIT};
-use andon_ipc::{Node, Port, Reader, Writer};
+use andon_ipc::{MonotonicTime, Node, Port, Reader, Writer};
 use shm_schemas::{
-    AuditKind, PRINTED_TEXT_BYTES, Printed, PrintedState, Showing, Task, TaskKind, task_flag,
+    AuditKind, PRINTED_TEXT_BYTES, Printed, PrintedState, Showing, TASK_LATE_NS, Task, TaskKind, task_flag,
 };
 
 use super::audit::Auditor;
@@ -130,6 +130,10 @@ impl Role for Executor<'_> {
 
 impl Executor<'_> {
     fn take(&mut self, cycle: &mut Cycle<'_>, task: &Task) -> Result<(), RoleError> {
+        if is_late(task, MonotonicTime::now()) {
+            // Nobody waits for an answer. Whoever has ordered it was told that nobody does it.
+            return self.pass_over(cycle, task, "it came too late");
+        }
         match TaskKind::try_from(task.kind) {
             Ok(TaskKind::Answer) => self.answer(cycle, task),
             Ok(TaskKind::Stop) => self.end_running(cycle, task),
@@ -239,9 +243,14 @@ impl Executor<'_> {
     }
 
     fn refuse(&mut self, cycle: &mut Cycle<'_>, task: &Task, why: &str) -> Result<(), RoleError> {
-        log!(code::TASK_REFUSED, "{}", said(task, why));
-        self.audit(cycle, task, &format!("refused, because {why}"))?;
+        self.pass_over(cycle, task, why)?;
         self.print(cycle, task, PrintedState::Refused, None, why)
+    }
+
+    /// Keeps that a task is not done.
+    fn pass_over(&mut self, cycle: &mut Cycle<'_>, task: &Task, why: &str) -> Result<(), RoleError> {
+        log!(code::TASK_REFUSED, "{}", said(task, why));
+        self.audit(cycle, task, &format!("refused, because {why}"))
     }
 
     fn audit(&mut self, cycle: &mut Cycle<'_>, task: &Task, became: &str) -> Result<(), RoleError> {
@@ -264,6 +273,11 @@ impl Executor<'_> {
             message.say(text);
         })?)
     }
+}
+
+/// Whether a task has come so late that it is not done: this process, or the machine, has stood still.
+fn is_late(task: &Task, now: MonotonicTime) -> bool {
+    now.since(MonotonicTime::sent(&task.stamp)) > Duration::from_nanos(TASK_LATE_NS)
 }
 
 /// A task and what became of it in one line, for the log and the journal. What became of it comes before the text, which may be cut off, and no
@@ -289,4 +303,21 @@ fn parts(line: &str) -> Vec<&str> {
     }
     parts.push(rest);
     parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_task_is_late_once_the_page_is_about_to_say_that_nobody_does_it() {
+        let mut task = Task::default();
+        let sent = MonotonicTime::now();
+        task.stamp.sent_ns = sent.nanoseconds();
+        let after = |ns: u64| is_late(&task, sent + Duration::from_nanos(ns));
+        assert!(!after(0) && !after(TASK_LATE_NS) && after(TASK_LATE_NS + 1));
+        // One that is read before it was sent, by a clock of another processor, is new.
+        task.stamp.sent_ns += 5;
+        assert!(!is_late(&task, sent));
+    }
 }
