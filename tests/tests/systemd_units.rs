@@ -129,6 +129,18 @@ fn the_board_may_write_nothing_but_what_all_roles_share() {
     }
 }
 
+/// There an engineer's jobs and calibration lie, as the guide says.
+#[test]
+fn the_executor_may_write_in_the_folder_of_its_state_and_nowhere_else() {
+    let unit = std::fs::read_to_string(shipped().join("andon-executor@.service")).unwrap();
+    assert!(unit.lines().any(|line| line == "StateDirectory=andon"), "{unit}");
+    for setting in ["ReadWritePaths=", "ProtectSystem=", "BindPaths=", "ConfigurationDirectory="] {
+        assert!(!unit.contains(setting), "{setting}");
+    }
+    let guide = std::fs::read_to_string(shipped().join("../config/GUIDE.md")).unwrap();
+    assert!(guide.contains("\n    calibration = \"/var/lib/andon/bench1.calibration.toml\""));
+}
+
 #[test]
 fn a_role_that_ends_by_itself_is_always_started_again_unless_that_cannot_help() {
     let common = std::fs::read_to_string(shipped().join("andon-@.service.d/10-common.conf")).unwrap();

@@ -8,8 +8,10 @@ use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use andon_host::atomic::folder_of;
 use andon_host::config::Config;
 use andon_ipc::is_station_name;
+use rustix::fs::{Access, access};
 use shm_schemas::{Task, TaskKind, task_flag};
 
 use super::super::jobs;
@@ -277,6 +279,14 @@ impl Desk<'_> {
         let mut arguments: Vec<OsString> = vec![self.made.picture().into(), format!("--side={side}").into()];
         arguments.extend(markers.iter().map(|marker| format!("--marker={marker}").into()));
         let out = self.config.bench.calibration.clone().unwrap_or_else(|| self.made.calibration());
+        // The unit lets this role write in few folders, and all that is asked for takes a while.
+        if let Err(error) = access(folder_of(&out), Access::WRITE_OK) {
+            return Err(format!(
+                "the calibration {} cannot be written here ({error}): set bench.calibration in the station's file to a file below \
+                 /var/lib/andon, and restart the station",
+                out.display()
+            ));
+        }
         arguments.extend(["--plot".into(), self.made.calibrated().into(), "--out".into(), out.into()]);
         Ok(self.step("calibrate", arguments))
     }
@@ -425,6 +435,11 @@ mod tests {
         for text in ["", "0.04\n--out=x", "0.04\n46=0,0;x", "a\n46=0,0"] {
             assert!(planned(&config, TaskKind::Calibrate, "", text, 0).is_err(), "{text}");
         }
+        let mut read_only = config.clone();
+        read_only.bench.calibration = Some("/proc/none/bench.toml".into());
+        let text = "0.04\n46=0,0\n47=0.5,0\n48=0.5,0.3\n49=0,-0.3";
+        let refused = planned(&read_only, TaskKind::Calibrate, "", text, 0).unwrap_err();
+        assert!(refused.contains("set bench.calibration") && refused.contains("/proc/none"), "{refused}");
         for (name, text) in [
             ("../bench", "\nbrick"),
             ("Bench", "\nbrick"),
