@@ -131,6 +131,51 @@ fn an_archive_is_listed_and_laid_out_elsewhere_without_touching_the_station() {
 }
 
 #[test]
+fn what_was_made_for_an_engineer_is_backed_up_without_pictures_of_the_bench_and_these_are_forgotten() {
+    let line = Line::new(Settings::live());
+    line.reconfigure("[plc]\n", "[executor]\npath = \"made\"\n\n[plc]\n");
+    let kept = [
+        "reports/job.html",
+        "markers/line-markers.pdf",
+        "versions/job.0123456789abcdef.toml",
+        "stations/b.toml",
+    ];
+    let pictures = ["look.png", "seen.jpg", "calibrated.jpg"];
+    let at = |name: &str| line.path("made").join(name);
+    for name in kept.iter().chain(&pictures).chain(&["calibration.toml", "films/run.mp4"]) {
+        std::fs::create_dir_all(at(name).parent().unwrap()).unwrap();
+        std::fs::write(at(name), name).unwrap();
+    }
+    let archive = line.path("station.tar");
+    let backed_up = line.command("backup", &[archive.to_str().unwrap()]);
+    let listed = String::from_utf8_lossy(&backed_up.stdout).into_owned();
+    assert!(backed_up.status.success(), "{}", stderr(&backed_up));
+    for name in pictures.iter().chain(&["films/run.mp4"]) {
+        assert!(!listed.contains(name), "{listed}");
+    }
+    for name in kept.iter().chain(&["calibration.toml"]) {
+        std::fs::remove_file(at(name)).unwrap();
+    }
+    let output = restore(&archive, &[]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    for name in kept.iter().chain(&["calibration.toml"]) {
+        assert_eq!(std::fs::read_to_string(at(name)).unwrap(), *name);
+    }
+    let forget = |what: &[&str]| {
+        let output = line.command("forget", what);
+        assert!(output.status.success(), "{}", stderr(&output));
+        pictures.iter().filter(|name| at(name).exists()).count()
+    };
+    assert_eq!(forget(&["--before", "1h"]), 3, "they are newer");
+    assert_eq!(forget(&["--before", "2199-01-01T00:00:00Z"]), 0);
+    std::fs::write(at("seen.jpg"), "jpeg").unwrap();
+    assert_eq!(forget(&["--part", "SN-7"]), 0, "it may show the part");
+    let audit = String::from_utf8(line.command("history", &["--audit"]).stdout).unwrap();
+    assert!(audit.contains("0 recordings and 3 pictures of the bench to be removed: from before"), "{audit}");
+    assert!(audit.contains("0 recordings and 1 pictures of the bench to be removed: of part"), "{audit}");
+}
+
+#[test]
 fn pictures_of_steps_are_backed_up_with_their_job_and_those_of_another_job_go() {
     let line = Line::new(Settings::live());
     let job = JobFile::parse("job.toml", &contents(&line, "job.toml")).unwrap();

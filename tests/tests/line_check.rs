@@ -155,6 +155,35 @@ fn a_journal_that_cannot_be_written_is_found() {
     refuses(&line, &format!("[journal]\npath = {text:?}\n"), &["journal.path: ", "is not a journal"]);
 }
 
+#[test]
+fn folders_in_which_an_engineer_s_commands_cannot_write_are_found_with_what_helps() {
+    let line = line();
+    let executor = "[board]\nenable = true\n[executor]\nenable = true\n";
+    let station = |jobs: &str, more: &str| format!("[station]\njobs = {jobs:?}\n{executor}{more}");
+    let (code, said) = check(&line, &station("jobs", "path = \"made\"\n"));
+    assert_eq!(code, Some(0), "the role makes them: {said}");
+    let remedy = "name a folder below /var/lib/andon";
+    refuses(
+        &line,
+        &station("/proc/jobs", "path = \"made\"\n"),
+        &["station.jobs: /proc/jobs cannot be made", remedy],
+    );
+    refuses(&line, &station("jobs", "path = \"/proc/made\"\n"), &["executor.path: /proc/made", remedy]);
+    let films = "path = \"made\"\nfilms = \"/proc/films\"\n";
+    refuses(&line, &station("jobs", films), &["executor.films: /proc/films", "name another one"]);
+    // A calibration that is made on the board later is not missing, and one that cannot be written is said to be so.
+    let (code, said) = check(
+        &line,
+        &format!("[bench]\ncalibration = \"bench.toml\"\n{}", station("jobs", "path = \"made\"\n")),
+    );
+    assert!(code == Some(0) && said.contains("bench.toml is not there yet"), "{said}");
+    let proc = "[bench]\ncalibration = \"/proc/bench.toml\"\n";
+    let (code, said) = check(&line, &format!("{proc}{}", station("jobs", "path = \"made\"\n")));
+    assert!(code == Some(0) && said.contains("nobody can calibrate on the engineer's page"), "{said}");
+    let without = "[bench]\ncalibration = \"bench.toml\"\n";
+    ends(&line, without, 78, &["bench.calibration", "cannot be opened"]);
+}
+
 /// The line's job, changed.
 fn job(line: &Line, change: impl FnOnce(&mut JobFile)) -> std::path::PathBuf {
     let mut job = JobFile::parse("job", &std::fs::read(line.path("job.toml")).unwrap()).unwrap();

@@ -1,4 +1,5 @@
-//! The archive of a station: configuration, jobs, pictures of their steps, calibration and journal, each with its hash, in one tar file.
+//! The archive of a station: configuration, jobs, pictures of their steps, calibration, what was made for an engineer, and journal, each with its
+//! hash, in one tar file.
 //!
 //! The first entry lists the others: its name in the archive, where it was, its length and SHA-256. A restore looks at all of it before it
 //! writes anything.
@@ -62,6 +63,8 @@ pub(crate) enum Kind {
     StepPicture,
     /// The place of the bench.
     Calibration,
+    /// What was made for an engineer: earlier versions of jobs, reports, markers, files of stations.
+    Made,
     /// The database of the verdicts.
     Journal,
 }

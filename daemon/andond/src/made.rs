@@ -34,6 +34,21 @@ impl Made {
         [self.folder.clone(), reports, markers, versions, stations, self.jobs.clone()]
     }
 
+    /// What a backup has of it: neither recordings nor pictures of the bench.
+    pub(crate) fn kept(&self) -> Vec<PathBuf> {
+        let [own, reports, markers, versions, stations, _jobs] = self.folders();
+        let pictures = self.pictures();
+        let kept = [own, reports, markers, versions, stations].into_iter().flat_map(|folder| files(&folder));
+        // What begins with a dot is being written.
+        let is_whole = |path: &PathBuf| named(path).is_some_and(|name| !name.starts_with('.'));
+        kept.filter(|path| is_whole(path) && !pictures.contains(path)).collect()
+    }
+
+    /// The pictures of the bench that were taken when somebody looked or calibrated.
+    pub(crate) fn pictures(&self) -> [PathBuf; 3] {
+        [self.picture(), self.seen(), self.calibrated()]
+    }
+
     /// All files that there are, and what changes with those that were written anew. It is less to ask for than what is in them.
     pub(crate) fn marks(&self) -> Vec<(PathBuf, Mark)> {
         let folders = self.folders().into_iter().chain([self.films.clone()]);

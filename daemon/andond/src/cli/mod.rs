@@ -85,9 +85,9 @@ pub enum Command {
     Confirm(Confirm),
     /// Say what another job would have said of what was recorded; the exit code is as that of replay
     Whatif(Whatif),
-    /// Remove recordings and pictures of steps before their time; the journal keeps who has done it
+    /// Remove recordings and pictures before their time; the journal keeps who has done it
     Forget(Forget),
-    /// Write jobs, configuration and journal of a station to one file, also while it runs
+    /// Write jobs, configuration, journal and what was made for an engineer to one file, also while the station runs
     Backup(Backup),
     /// Put back what `andond backup` wrote; the station must not run
     Restore(Restore),

@@ -247,11 +247,11 @@ pub struct Forget {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
-    /// Remove the recordings that ended before this time (RFC 3339) or this span before now (`8h`, `30d`), and the pictures of the steps of jobs that
-    /// were taught before it
+    /// Remove the recordings that ended before this time (RFC 3339) or this span before now (`8h`, `30d`), the pictures of the steps of jobs that
+    /// were taught before it, and the pictures of the bench that an engineer took before it
     #[arg(long, value_name = "DATE", required_unless_present = "part")]
     pub before: Option<String>,
-    /// Remove the recordings that show work on the part with this id
+    /// Remove the recordings that show work on the part with this id, and the pictures of the bench that an engineer took: each may show it
     #[arg(long, value_name = "ID", conflicts_with = "before")]
     pub part: Option<String>,
 }

@@ -17,7 +17,9 @@ use andon_learn::recording::TrackReader;
 
 use super::ToolError;
 use crate::cli::Check;
+use crate::made::Made;
 use crate::metric::Placer;
+use crate::perception::is_calibration_awaited;
 use crate::role;
 use crate::video::helper_path;
 use crate::{boards, compatibility, perception};
@@ -83,6 +85,7 @@ pub fn run(arguments: &Check) -> Result<Code, ToolError> {
     checks.perception();
     checks.journal();
     checks.board();
+    checks.executor();
     checks.faults.file.extend(neighbours::faults(&config));
     if config.ipc_station().is_ok_and(|station| station.is_in_use()) {
         println!("the line runs: its camera and its port are in use, and were not opened");
@@ -189,6 +192,41 @@ impl Checks<'_> {
         }
     }
 
+    /// The folders in which the commands of an engineer write. The role makes those that are missing.
+    fn executor(&mut self) {
+        let config = self.config;
+        if !config.executor.enable {
+            return;
+        }
+        let made = Made::new(config);
+        let [jobs, own @ ..] = {
+            let mut folders = made.folders();
+            folders.rotate_right(1);
+            folders
+        };
+        for (key, folders) in [("station.jobs", &[jobs][..]), ("executor.path", &own[..])] {
+            if let Some(problem) = folders.iter().find_map(|folder| unwritable(folder)) {
+                let remedy = "let the user of the units write there, or name a folder below /var/lib/andon";
+                self.fault(key, format!("{problem}: an engineer's commands write there; {remedy}"));
+            }
+        }
+        let films = made.films_folder();
+        if let Some(problem) = Some(films).filter(|films| !films.is_dir()).and_then(unwritable) {
+            self.fault("executor.films", format!("{problem}: make this folder, or name another one"));
+        }
+        if let Some(calibration) = &config.bench.calibration {
+            let shown = calibration.display();
+            if is_calibration_awaited(config) {
+                println!(
+                    "bench.calibration: {shown} is not there yet; until it is made on the engineer's page, markers give the scale"
+                );
+            }
+            if let Some(problem) = unwritable(folder_of(calibration)) {
+                println!("bench.calibration: nobody can calibrate on the engineer's page, as {problem}");
+            }
+        }
+    }
+
     /// The camera or the recording.
     fn source(&mut self) {
         let opened = match (self.config.camera.source, &self.config.camera.path) {
@@ -211,6 +249,14 @@ impl Checks<'_> {
             self.lacks("plc.port", format!("{}:{} cannot be listened on: {error}", plc.bind, plc.port));
         }
     }
+}
+
+/// Why nothing can be written in a folder, where it is there or has to be made.
+fn unwritable(folder: &Path) -> Option<String> {
+    let there = folder.ancestors().find(|folder| folder.exists()).unwrap_or(folder);
+    let refused = tempfile::tempfile_in(there).err()?;
+    let what = if there == folder { "written" } else { "made" };
+    Some(format!("{} cannot be {what}: {}: {refused}", folder.display(), there.display()))
 }
 
 /// What is wrong with an existing database.

@@ -1,9 +1,11 @@
-//! `andond forget`: removes recordings before their time, and pictures of steps. The journal keeps who has done it, and of what.
+//! `andond forget`: removes recordings before their time, pictures of steps, and pictures of the bench that were taken for an engineer. The journal
+//! keeps who has done it, and of what.
 
 mod part;
 mod pictures;
 
 use std::path::{Path, PathBuf};
+use std::time::UNIX_EPOCH;
 
 use andon_host::config::Config;
 use andon_host::exit::Code;
@@ -16,6 +18,7 @@ use super::part::part_id;
 use super::since::since_ns;
 use super::{ToolError, audit, running_config};
 use crate::cli::Forget;
+use crate::made::Made;
 use crate::step_pictures::StepPicture;
 
 /// Runs the command. What is being written stays: its recorder would go on writing into a file that nobody sees any more.
@@ -27,17 +30,23 @@ pub fn run(arguments: &Forget) -> Result<Code, ToolError> {
     let meant = Meant::of(arguments)?;
     let found = meant.among(recordings(&config)?);
     let pictures = meant.pictures(&config);
+    let looks = meant.looks(&config);
     if found.is_empty() {
         println!("no recording is {}", meant.words());
     }
-    if !(found.is_empty() && pictures.is_empty()) {
+    if !(found.is_empty() && pictures.is_empty() && looks.is_empty()) {
         // First it is said, then it is done: nothing is removed unsaid.
-        audit::keep(&config, AuditKind::Recording, &meant.said(found.len(), pictures.len()))?;
+        let said = meant.said(found.len(), pictures.len(), looks.len());
+        audit::keep(&config, AuditKind::Recording, &said)?;
     }
     let written = remove_all(&config, &found)?;
     for picture in &pictures {
         picture.remove().map_err(|(path, source)| ToolError::Remove { path, source })?;
         println!("removed: {}", picture.path.display());
+    }
+    for look in &looks {
+        store::remove_file(look).map_err(|source| ToolError::Remove { path: look.clone(), source })?;
+        println!("removed: {}", look.display());
     }
     for path in &written {
         println!(
@@ -72,6 +81,12 @@ fn remove_all(config: &Config, found: &[Recording]) -> Result<Vec<PathBuf>, Tool
         println!("removed, it belonged to no recording: {}", path.display());
     }
     error.map_or(Ok(written), Err)
+}
+
+/// When a file was written, nanoseconds since 1970 UTC; `None` where there is none.
+fn modified_utc_ns(path: &Path) -> Option<u64> {
+    let modified = path.metadata().and_then(|meta| meta.modified()).ok()?;
+    u64::try_from(modified.duration_since(UNIX_EPOCH).ok()?.as_nanos()).ok()
 }
 
 /// Which recordings are meant.
@@ -109,11 +124,21 @@ impl Meant {
         }
     }
 
+    /// The pictures of the bench that were taken for an engineer, and are meant. Which part lay there nobody knows, so each may show it.
+    fn looks(&self, config: &Config) -> Vec<PathBuf> {
+        let is_meant = |path: &PathBuf| match self {
+            Self::Before(utc_ns, _) => modified_utc_ns(path).is_some_and(|taken_ns| taken_ns < *utc_ns),
+            Self::Part(_) => path.exists(),
+        };
+        Made::new(config).pictures().into_iter().filter(is_meant).collect()
+    }
+
     /// What the journal keeps.
-    fn said(&self, recordings: usize, pictures: usize) -> String {
-        let pictures =
-            if pictures > 0 { format!(" and {pictures} pictures of steps") } else { String::new() };
-        format!("{recordings} recordings{pictures} to be removed: {}", self.words())
+    fn said(&self, recordings: usize, pictures: usize, looks: usize) -> String {
+        let more = [(pictures, "pictures of steps"), (looks, "pictures of the bench")];
+        let more = more.into_iter().filter(|(count, _)| *count > 0);
+        let more: String = more.map(|(count, what)| format!(" and {count} {what}")).collect();
+        format!("{recordings} recordings{more} to be removed: {}", self.words())
     }
 
     fn words(&self) -> String {
