@@ -160,6 +160,16 @@ fn every_setting_of_processor_and_memory_has_its_reason_before_it() {
     }
 }
 
+/// What was measured stands beside it: a job that is taught from films needs more than a role of the line.
+#[test]
+fn a_command_of_an_engineer_may_take_more_memory_than_a_role_and_fails_alone() {
+    let behind = shipped().join("andon-executor@.service.d/20-behind.conf");
+    let text = std::fs::read_to_string(behind).unwrap();
+    for line in ["MemoryHigh=1792M", "MemoryMax=2G", "OOMPolicy=continue", "OOMScoreAdjust=500"] {
+        assert!(text.lines().any(|found| found == line), "{line}");
+    }
+}
+
 #[test]
 fn sysusers_makes_the_user_that_the_units_run_as() {
     let root = tempfile::tempdir().unwrap();
