@@ -136,7 +136,8 @@ fn events_are_listed_newest_first_and_a_deep_link_a_reload_and_the_back_button_k
     browser.resize(&tab, FULL_HD);
 
     // What is drawn anew stays in its place. Where what has the focus goes, what is beside it gets the focus.
-    browser.value(&tab, "window.row = document.querySelector('#roles tbody tr'); window.told = row.innerText");
+    browser
+        .value(&tab, "window.row = document.querySelector('#roles tbody tr'); window.told = row.innerText");
     browser.until(&tab, "row.innerText !== told");
     assert_eq!(browser.value(&tab, "row.isConnected"), json!(true));
     let goes = "
