@@ -37,10 +37,13 @@ pub fn job_file(bytes: &[u8]) {
 
 fn read_job(bytes: &[u8]) {
     let Ok(job) = JobFile::parse("fuzz", bytes) else { return };
-    let text = job.to_toml();
-    let again = JobFile::parse("fuzz", text.as_bytes()).expect("what was written is accepted");
-    assert_eq!(again.to_toml(), text);
-    assert_eq!(again.model_hash(), job.model_hash());
+    // In the words that were read, and in those of this build.
+    for job in [&job, &JobFile { older: None, ..job.clone() }] {
+        let text = job.to_toml();
+        let again = JobFile::parse("fuzz", text.as_bytes()).expect("what was written is accepted");
+        assert_eq!(again.to_toml(), text);
+        assert_eq!(again.model_hash(), job.model_hash());
+    }
     job.with_job(|lent| Judge::<Vec<_>>::with_memory(lent, job.method).is_ok());
 }
 

@@ -3,9 +3,8 @@
 //! It is TOML with a format, a version and a checksum. A file is refused if it is damaged, has another version or exceeds a capacity of
 //! the method; the error says where. [`JobFile::with_job`] lends the [`Job`] that the judge needs.
 //!
-//! A job is known by a hash of the text that [`JobFile::to_toml`] writes, with its keys and comments. A PLC asks for it, and verdicts and recordings
-//! name it. So no key is renamed, whatever the code calls its value: every job in use would get another hash, and its PLC would be refused. The keys
-//! `bow_m` and `max_bow_m` are the lateral deviation.
+//! A job is known by a hash of its text, with its keys and comments. A PLC asks for it, and verdicts and recordings name it. So a job that was read
+//! keeps the text that it was read from, and with it its hash, until something of it is changed ([`OlderText`]).
 
 mod checksum;
 mod error;
@@ -201,6 +200,17 @@ pub struct JobFile {
     /// What people call the steps, by their numbers; empty of a job that was taught before steps had names. No hash covers them: whoever
     /// changes a name has changed no job.
     pub step_names: Vec<String>,
+    /// The text that it was read from, where this build has other words for the same job.
+    pub older: Option<OlderText>,
+}
+
+/// A text in the words of an older build. It is that of its job for as long as the job is what was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OlderText {
+    /// As it was read, without the names of the steps.
+    read: String,
+    /// The same job as it is written now.
+    now: String,
 }
 
 impl JobFile {

@@ -1,8 +1,8 @@
 //! From text to a job: first the version, then the checksum, then every key.
 
 use super::{
-    FORMAT, JobFault, JobFile, JobFileError, Provenance, ShownValues, TaughtActivity, TaughtIu, TaughtStep,
-    VERSION, checksum, runs, validate,
+    FORMAT, JobFault, JobFile, JobFileError, OlderText, Provenance, ShownValues, TaughtActivity, TaughtIu,
+    TaughtStep, VERSION, checksum, names, runs, validate,
 };
 use crate::file::{self, typographic};
 use crate::recording::{NamedObject, SpaceName};
@@ -228,9 +228,21 @@ fn parse(bytes: &[u8]) -> Result<JobFile, JobFault> {
             computed: format!("sha256:{computed}"),
         });
     }
-    let job = job_of(toml::from_str(text).map_err(no_toml)?)?;
+    let mut job = job_of(toml::from_str(text).map_err(no_toml)?)?;
     validate::validate(&job)?;
+    job.older = older(text, &job);
     Ok(job)
+}
+
+/// The text of a job that is written in other words now. It must have all of the job but the names of the steps, as those are appended to it.
+fn older(text: &str, job: &JobFile) -> Option<OlderText> {
+    let (read, now) = (names::before(text), job.without_names());
+    if read == now {
+        return None;
+    }
+    let nameless = JobFile { step_names: Vec::new(), ..job.clone() };
+    let of_read = toml::from_str(read).ok().and_then(|text| job_of(text).ok());
+    (of_read == Some(nameless)).then(|| OlderText { read: read.to_owned(), now })
 }
 
 fn job_of(text: JobText) -> Result<JobFile, JobFault> {
@@ -264,6 +276,7 @@ fn job_of(text: JobText) -> Result<JobFile, JobFault> {
         method: method_of(text.method),
         provenance: text.provenance,
         step_names: text.names.steps,
+        older: None,
     })
 }
 

@@ -17,9 +17,18 @@ macro_rules! line {
 }
 
 impl JobFile {
-    /// The text of the job file. The same job gives the same bytes. [`JobFile::model_hash`] covers all of it, so that other words in a
-    /// comment would be another job to a PLC.
+    /// The text of the job file. The same job gives the same bytes; one that was read has those that were read. [`JobFile::model_hash`] covers all of
+    /// it but the names of the steps.
     pub fn to_toml(&self) -> String {
+        let now = self.without_names();
+        let older = self.older.as_ref().filter(|older| older.now == now);
+        let mut text = older.map_or(now, |older| older.read.clone());
+        names::append(&mut text, &self.step_names);
+        text
+    }
+
+    /// The text as this build writes it, without the names of the steps.
+    pub(super) fn without_names(&self) -> String {
         let mut text = String::new();
         line!(
             text,
@@ -70,9 +79,7 @@ impl JobFile {
             );
         }
         self.activities.iter().for_each(|activity| self.activity_text(&mut text, activity));
-        let mut text = checksum::seal(&text);
-        names::append(&mut text, &self.step_names);
-        text
+        checksum::seal(&text)
     }
 
     fn provenance_text(&self, text: &mut String) {

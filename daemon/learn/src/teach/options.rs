@@ -99,6 +99,7 @@ impl TeachOptions {
                 sources: Vec::new(),
             },
             step_names: Vec::new(),
+            older: None,
         }
     }
 
