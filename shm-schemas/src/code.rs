@@ -23,12 +23,13 @@ impl core::error::Error for UnknownCode {}
 ///
 /// Zero is left out wherever it would be a meaning, so that zeroed memory is never taken for a message.
 ///
-/// In logs, JSON and CSV a word is written as its name here, or as the text after `as`. Its documentation is its meaning.
+/// In logs, JSON and CSV a word is written as its name here, or as the text after `as`. Its documentation is its meaning. A text after `formerly` is
+/// what older rows of journals have for it.
 macro_rules! codes {
     (@text $word:ident) => { stringify!($word) };
     (@text $word:ident $text:literal) => { $text };
     ($(#[$doc:meta])* enum $name:ident: $int:ident {
-        $( $(#[doc = $word_doc:literal])* $word:ident = $code:literal $(as $text:literal)?, )*
+        $( $(#[doc = $word_doc:literal])* $word:ident = $code:literal $(as $text:literal)? $(formerly $former:literal)?, )*
     }) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -47,6 +48,13 @@ macro_rules! codes {
             /// The word as it is written in logs, JSON and CSV.
             pub const fn name(self) -> &'static str {
                 match self { $( Self::$word => $crate::code::codes!(@text $word $($text)?), )* }
+            }
+
+            /// The word that is written like this, or was.
+            pub fn named(text: &str) -> Option<Self> {
+                let former: &[(&str, Self)] = &[$( $( ($former, Self::$word), )? )*];
+                let word = Self::ALL.iter().copied().find(|word| word.name() == text);
+                word.or_else(|| former.iter().find(|(name, _)| *name == text).map(|(_, word)| *word))
             }
 
             /// What the word means: its documentation, from which the header for C and the register map are generated.
@@ -72,7 +80,7 @@ pub(crate) use codes;
 
 #[cfg(test)]
 mod tests {
-    use crate::{UnknownCode, Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
+    use crate::{UnknownCode, Verdict, VerdictLevel, VerdictMeasure, VerdictOutcome, VerdictReason};
 
     #[test]
     fn every_word_comes_back_from_its_number() {
@@ -85,6 +93,14 @@ mod tests {
         for &reason in VerdictReason::ALL {
             assert_eq!(VerdictReason::try_from(reason.code()), Ok(reason));
         }
+    }
+
+    #[test]
+    fn a_word_is_found_by_its_name_and_by_that_which_older_rows_have() {
+        let word = VerdictMeasure::LateralDeviation;
+        assert_eq!(["LateralDeviation", "Bow"].map(VerdictMeasure::named), [Some(word); 2]);
+        assert_eq!((word.name(), VerdictMeasure::named("bow")), ("LateralDeviation", None));
+        assert_eq!(VerdictLevel::named("iu"), Some(VerdictLevel::Iu));
     }
 
     #[test]

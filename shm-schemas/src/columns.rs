@@ -99,9 +99,7 @@ macro_rules! set {
     (number $to:expr, $value:expr) => { $to = if let Value::Number(number) = $value { number } else { f32::NAN } };
     (station $to:expr, $value:expr) => { $to = station_bytes($value) };
     (part $to:expr, $value:expr) => { $to = part($value) };
-    ($list:ident $to:expr, $value:expr) => { $to = code($value, |text| {
-        $list::ALL.iter().find(|word| word.name() == text).map(|word| word.code())
-    }) };
+    ($list:ident $to:expr, $value:expr) => { $to = code($value, |text| $list::named(text).map($list::code)) };
 }
 
 /// What stands for none on the wire: of most kinds it is 0.

@@ -144,8 +144,7 @@ codes! {
         /// The distance between its place and the one that was shown, in metres.
         Place = 6,
         /// The lateral deviation: the maximum distance of the hand's path from the straight line, in metres.
-        // The word that rows of journals have, and programs that read JSON or the header for C.
-        LateralDeviation = 7 as "Bow",
+        LateralDeviation = 7 formerly "Bow",
     }
 }
 

@@ -12,6 +12,7 @@ use andon_learn::run_summary::RunSummary;
 use andon_learn::strictness::Strictness;
 use andon_learn::teach::{TeachError, TeachOptions, TeachReport, teach};
 use andon_tests::deletion::Deletion;
+use andon_tests::fuzz::seal;
 use andon_tests::simulator::{Expected, Flaw, Noise, Performance, Random, perform};
 use andon_tests::station::without_points;
 
@@ -195,6 +196,21 @@ fn a_job_file_is_read_as_it_was_written() {
     {
         let (job, _) = teach(&correct(3), &TeachOptions { rule, ..options() }).unwrap();
         assert_eq!(JobFile::parse("job.toml", job.to_toml().as_bytes()).unwrap(), job);
+    }
+}
+
+/// Some job files have all that the runs measured, and the shipped one has only the ranges.
+#[test]
+fn a_job_file_that_calls_the_lateral_deviation_bow_is_still_read_and_has_its_own_hash() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../config/jobs/polish-and-measure.toml");
+    let shipped = JobFile::parse(path, &std::fs::read(path).unwrap()).unwrap();
+    for (job, kept) in [(taught(&correct(4)).0, "\nbow_m = ["), (shipped, ", bow_m = 0")] {
+        let job = JobFile { step_names: Vec::new(), ..job };
+        let old = seal(&job.to_toml().replace("lateral_deviation_m", "bow_m")).unwrap();
+        assert!(["\nmax_bow_m = 0", kept].iter().all(|key| old.contains(key)), "{old}");
+        let read = JobFile::parse("old.toml", old.as_bytes()).unwrap();
+        assert_eq!((read.to_toml(), read.model_hash() == job.model_hash()), (old, false));
+        assert_eq!(JobFile { older: None, ..read }, job);
     }
 }
 

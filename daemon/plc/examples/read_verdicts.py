@@ -32,7 +32,7 @@ REASONS = ["None", "WrongObject", "WrongOrder", "Motion", "TooShort", "TooLong",
            "MarkerTwice"]
 NOTES = [None, "Order", "Again", "OtherHand", "Step"]
 MEASURES = [None, ("Duration", "s"), ("Strokes", "strokes"), ("StrokeLength", "m"), ("Path", "m"), ("Direction", "degrees"),
-            ("Place", "m"), ("Bow", "m")]
+            ("Place", "m"), ("LateralDeviation", "m")]
 
 
 class Verdict(ctypes.Structure):

@@ -208,7 +208,7 @@ enum AndonMeasure {
   /**
    * The lateral deviation: the maximum distance of the hand's path from the straight line, in metres.
    */
-  ANDON_MEASURE_BOW = 7,
+  ANDON_MEASURE_LATERAL_DEVIATION = 7,
 };
 
 /**

@@ -1,7 +1,7 @@
 //! Journals of other versions, and files that are no journal.
 
 use super::*;
-use shm_schemas::{NO_PERCENT, PartId, VerdictNote, verdict_kind};
+use shm_schemas::{NO_PERCENT, PartId, VerdictMeasure, VerdictNote, verdict_kind};
 
 /// A journal of the newest schema that has not seen the migration in which these words stand.
 fn journal_before(path: &Path, words: &str) -> Connection {
@@ -108,6 +108,17 @@ fn a_column_that_a_journal_has_not_is_added_and_older_verdicts_have_nothing_in_i
     };
     assert_eq!(values(&rows[0]), (NO_PERCENT, true, 0, 0));
     assert_eq!(values(&rows[1]), (40, false, 99, VerdictNote::Again.code()));
+}
+
+#[test]
+fn a_row_with_a_word_of_an_older_build_is_read_as_the_word_of_now() {
+    let mut bench = Bench::new();
+    let measure = VerdictMeasure::LateralDeviation.code();
+    bench.append(&Verdict { measure, measured: 0.3, ..verdict(1, 1) }).unwrap();
+    let older = "UPDATE verdict SET measure = 'Bow' WHERE measure = 'LateralDeviation'";
+    assert_eq!(bench.journal.connection.execute(older, []).unwrap(), 1);
+    let rows = bench.journal.rows_after(0, 10).unwrap();
+    assert_eq!((rows[0].verdict.measure, rows[0].verdict.measured), (measure, 0.3));
 }
 
 #[test]

@@ -144,8 +144,7 @@ struct IuText {
     stroke_m: Option<[f32; 2]>,
     path_m: Option<[f32; 2]>,
     max_detour_m: Option<f32>,
-    /// The lateral deviation, by the key that job files have always had for it.
-    #[serde(rename = "max_bow_m")]
+    #[serde(rename = "max_lateral_deviation_m", alias = "max_bow_m")]
     max_lateral_m: Option<f32>,
     axis: Option<[f32; 3]>,
     place_m: Option<[f32; 4]>,
@@ -166,7 +165,7 @@ struct ShownText {
     #[serde(default)]
     detour_m: f32,
     /// The same.
-    #[serde(default, rename = "bow_m")]
+    #[serde(default, rename = "lateral_deviation_m", alias = "bow_m")]
     lateral_m: f32,
     axis: f32,
     place_m: f32,

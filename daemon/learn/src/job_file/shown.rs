@@ -26,8 +26,8 @@ pub struct ShownValues {
     pub path_m: Vec<f32>,
     /// How much longer than the straight way it was.
     pub detour_m: Vec<f32>,
-    /// The lateral deviation: how far off the straight line the way of the hand led. Its key in the file is the one that files have always had.
-    #[serde(rename = "bow_m")]
+    /// The lateral deviation: how far off the straight line the way of the hand led.
+    #[serde(rename = "lateral_deviation_m", alias = "bow_m")]
     pub lateral_m: Vec<f32>,
     /// How far the direction of the path was away from the centre of the right ones; empty where any is right.
     pub axis: Vec<f32>,
@@ -45,7 +45,7 @@ impl ShownValues {
             ("stroke_m", &self.stroke_m),
             ("path_m", &self.path_m),
             ("detour_m", &self.detour_m),
-            ("bow_m", &self.lateral_m),
+            ("lateral_deviation_m", &self.lateral_m),
             ("axis", &self.axis),
             ("place_m", &self.place_m),
             ("distance", &self.distance),

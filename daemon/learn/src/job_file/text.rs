@@ -58,15 +58,16 @@ impl JobFile {
         self.steps_text(&mut text);
         text.push_str(
             "
-# An activity is a sequence of IUs. In each IU, `threshold` is the maximum DTW distance to the reference,
-# `frames` the minimum and maximum duration in frames, and `reversals` the minimum and maximum number of
-# times that the motion comes back. `stroke_m` is the mean length of a stroke and `path_m` that of the whole way,
-# which is no more than `max_detour_m` longer than the straight one. `max_bow_m` is how far off the straight line the hand
-# may go on its way on the bench, from where it took the part or came to the part before to where it is then;
-# `axis` (cos 2a, sin 2a for a way along the angle a) and `place_m` are a centre and the maximum distance from
-# it, in metres, in the frame of the other part. `shown` is the minimum and maximum that the runs measured, and their
-# maximum distance from the two centres: verdicts name it, and it decides nothing. A row of the reference has a number
-# of frames, and the motion in these frames: a_h theta_hj phi_hj jm_hj theta_jl phi_jl jm_jl.
+# An activity is a sequence of IUs. In each IU, `threshold` is the maximum DTW distance to the reference.
+# `frames` is the minimum and maximum duration in frames. `reversals` is the minimum and maximum number of
+# times that the motion comes back. `stroke_m` is the mean length of a stroke, and `path_m` that of the whole way.
+# The way is no more than `max_detour_m` longer than the straight one. `max_lateral_deviation_m` is how far off the
+# straight line the hand may go on its way on the bench. The line begins where the hand took the part, or came to
+# the part before, and ends where it is. `axis` and `place_m` are each a centre and the maximum distance from it,
+# in the frame of the other part. The centre of `axis` is cos 2a and sin 2a for a way along the angle a; `place_m`
+# is in metres. `shown` is the minimum and maximum that the runs measured, and their maximum distance from the two
+# centres. Verdicts name it, and it decides nothing. A row of the reference has a number of frames, and the motion
+# in these frames: a_h theta_hj phi_hj jm_hj theta_jl phi_jl jm_jl.
 ",
         );
         // Without them, an older file has its own text again.
@@ -275,7 +276,9 @@ fn measures_text(text: &mut String, bounds: &MeasureBounds) {
             line!(text, "{name} = [{min:?}, {max:?}]");
         }
     }
-    for (name, max) in [("max_detour_m", bounds.max_detour_m), ("max_bow_m", bounds.max_lateral_m)] {
+    for (name, max) in
+        [("max_detour_m", bounds.max_detour_m), ("max_lateral_deviation_m", bounds.max_lateral_m)]
+    {
         if max.is_finite() {
             line!(text, "{name} = {max:?}");
         }
@@ -295,7 +298,7 @@ fn shown_text(text: &mut String, shown: &Shown) {
     let range = |Range { min, max }: &Range| format!("[{min:?}, {max:?}]");
     line!(
         text,
-        "shown = {{ frames = {}, reversals = {}, stroke_m = {}, path_m = {}, detour_m = {detour_m:?}, bow_m = {lateral_m:?}, axis = {axis:?}, place_m = {place_m:?} }}",
+        "shown = {{ frames = {}, reversals = {}, stroke_m = {}, path_m = {}, detour_m = {detour_m:?}, lateral_deviation_m = {lateral_m:?}, axis = {axis:?}, place_m = {place_m:?} }}",
         bounds_text(*frames),
         bounds_text(*reversals),
         range(stroke_m),

@@ -121,7 +121,7 @@ fn iu(job: &JobFile, iu: &TaughtIu, key_of: &dyn Fn(&str) -> String) -> Result<(
         ("axis", axis.max),
         ("place_m", place_m.max),
         ("max_detour_m", max_detour_m),
-        ("max_bow_m", max_lateral_m),
+        ("max_lateral_deviation_m", max_lateral_m),
     ] {
         rule(max >= 0.0, &key_of(key), || {
             format!("the maximum distance {max} is not a number of at least 0")
