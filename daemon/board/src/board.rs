@@ -185,6 +185,12 @@ impl Board {
         self.version += 1;
     }
 
+    /// Whether the judge has said that it has no job.
+    #[must_use]
+    pub fn has_no_job(&self) -> bool {
+        self.judging.is_some_and(|judging| judging.phase == JudgePhase::NoJob.code())
+    }
+
     /// Whether a job has begun and has not ended.
     pub(crate) fn is_running(&self) -> bool {
         self.judging.is_some_and(|judging| judging.phase == JudgePhase::Running.code())

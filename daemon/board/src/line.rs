@@ -8,6 +8,8 @@ pub enum Line {
     /// Not all roles are up yet, and nothing is wrong.
     #[default]
     Starting,
+    /// All that comes before the judge runs, and the judge has no job.
+    NoJob,
     /// It watches.
     Ready,
     /// It does not watch.

@@ -106,6 +106,11 @@ impl LineHealth {
         self.newest().any(|health| health.state == RoleState::Finished.code())
     }
 
+    /// Whether nothing before the judge keeps the line from being ready, and the judge lives and has not judged yet. One without a job never does.
+    pub(super) fn has_idle_judge(&self) -> bool {
+        matches!(self.culprit, Some((RoleId::Judge, STARTING | WAITING)))
+    }
+
     /// What is wrong with what `perceive` sees of its bench.
     pub(super) fn trouble(&self) -> Option<Sight> {
         self.newest().find_map(sight::trouble_of)
@@ -127,6 +132,12 @@ impl LineHealth {
 
 /// A process is noticed to have gone before it is known which: all roles are silent until they are heard again.
 const GONE: &str = "a process of the line has gone, and `andond status` says which";
+
+/// A role that has not done a step yet.
+const STARTING: &str = "is starting";
+
+/// A role whose input has fallen silent.
+const WAITING: &str = "runs and gets nothing, or too late";
 
 /// A process that has left its channels is gone by then. One that is not, and silent, is found by its deadline.
 const LEAVING: Duration = Duration::from_secs(1);
@@ -156,13 +167,13 @@ impl RoleHealth {
                 ),
                 None => (Line::Ready, "runs"),
             },
-            Ok(RoleState::Starting) => (Line::Starting, "is starting"),
+            Ok(RoleState::Starting) => (Line::Starting, STARTING),
             Ok(RoleState::Finished) => (Line::Starting, "is at the end of its recording"),
             Ok(RoleState::Waiting) if self.role == RoleId::Perceive => {
                 let detail = code::CAMERA_GONE.number;
                 (Line::Fault { fault: Fault::Camera, detail }, "gets no frames")
             }
-            Ok(RoleState::Waiting) => (fault(Fault::Role), "runs and gets nothing, or too late"),
+            Ok(RoleState::Waiting) => (fault(Fault::Role), WAITING),
             Ok(RoleState::Fault) => match self.role {
                 RoleId::Capture => (fault(Fault::Camera), "cannot work: its log says why"),
                 RoleId::Journal => (fault(Fault::Journal), "cannot write: its log says why"),
@@ -346,6 +357,25 @@ mod tests {
         health.sight = Sight::Clear.code();
         line.received(&health);
         assert_eq!((line.line(at(10 * S)), line.trouble()), (Line::Ready, None));
+    }
+
+    #[test]
+    fn a_judge_that_lives_and_has_not_judged_is_idle_and_one_that_is_silent_or_gone_is_not() {
+        let mut line = LineHealth::new(&Config::default());
+        for &role in RoleId::ALL.iter().filter(|role| **role != RoleId::Judge) {
+            line.received(&health(role, RoleState::Running, 10 * S));
+        }
+        assert_eq!((line.line(at(10 * S)), line.has_idle_judge()), (Line::Starting, false), "not heard yet");
+        for state in [RoleState::Starting, RoleState::Waiting] {
+            line.received(&health(RoleId::Judge, state, 10 * S));
+            assert_eq!((line.line(at(10 * S)), line.has_idle_judge()), (Line::Starting, true), "{state:?}");
+        }
+        line.received(&health(RoleId::Perceive, RoleState::Starting, 10 * S));
+        assert_eq!((line.line(at(10 * S)), line.has_idle_judge()), (Line::Starting, false), "another starts");
+        for &role in RoleId::ALL.iter().filter(|role| **role != RoleId::Judge) {
+            line.received(&health(role, RoleState::Running, 14 * S));
+        }
+        assert_eq!((line.line(at(14 * S)), line.has_idle_judge()), (Line::Starting, false), "it is silent");
     }
 
     #[test]

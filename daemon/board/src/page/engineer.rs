@@ -21,7 +21,7 @@ const PARTS: u32 = 6;
 
 /// What changes.
 pub(super) fn draw(html: &mut Html, board: &Board, words: &Table, address: &Address) {
-    line(html, board, words);
+    line(html, board, words, address);
     task(html, board, words);
     jobs(html, board, words, address);
     films(html, board, words);
@@ -37,7 +37,7 @@ pub(super) fn draw_whole(
     visitor: &Visitor,
 ) {
     html.raw("<main>");
-    line(html, board, words);
+    line(html, board, words, address);
     if !board.settings.takes_orders {
         html.element("<p class=\"now check\">", words.say("engineer.off"), "</p></main>");
         return;

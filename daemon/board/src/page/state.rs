@@ -1,7 +1,5 @@
 //! The state of the station in one word.
 
-use shm_schemas::JudgePhase;
-
 use crate::board::Board;
 use crate::line::{Line, Stop};
 use crate::piece::Standing;
@@ -51,6 +49,15 @@ impl State {
         }
     }
 
+    /// The key of what helps a line that does not watch.
+    pub(super) fn help(self) -> Option<String> {
+        match self {
+            Self::Stopped(stop) => Some(stop.key()),
+            Self::NoJob => Some("stop.NoJob".to_owned()),
+            _ => None,
+        }
+    }
+
     /// Whether the piece has something to tell.
     pub(super) const fn tells(self) -> bool {
         matches!(self, Self::Check | Self::NotJudged | Self::Fault)
@@ -62,7 +69,8 @@ pub(crate) fn state(board: &Board) -> State {
     match (board.line, board.judging) {
         (Line::Stopped(stop), _) => State::Stopped(stop),
         (Line::Starting, _) | (_, None) => State::Starting,
-        (Line::Ready, Some(judging)) if judging.phase == JudgePhase::NoJob.code() => State::NoJob,
+        (Line::NoJob, _) => State::NoJob,
+        (Line::Ready, Some(_)) if board.has_no_job() => State::NoJob,
         (Line::Ready, Some(judging)) if judging.is_enabled == 0 => State::Off,
         (Line::Ready, Some(_)) => of_piece(board),
     }

@@ -25,7 +25,7 @@ const SILENT_NS: u64 = 2_000_000_000;
 
 /// What changes.
 pub(super) fn draw(html: &mut Html, board: &Board, words: &Table, address: &Address) {
-    line(html, board, words);
+    line(html, board, words, address);
     shift::draw(html, board, words, address);
     roles(html, board, words, address);
     events(html, board, words, address);
@@ -41,7 +41,7 @@ pub(super) fn draw_whole(
     visitor: &Visitor,
 ) {
     html.raw("<main>");
-    line(html, board, words);
+    line(html, board, words, address);
     html.raw("<div class=\"beside\">");
     if board.settings.picture {
         picture(html, words, address);
@@ -56,7 +56,7 @@ pub(super) fn draw_whole(
 }
 
 /// The state of the line in a sentence.
-pub(super) fn line(html: &mut Html, board: &Board, words: &Table) {
+pub(super) fn line(html: &mut Html, board: &Board, words: &Table, address: &Address) {
     let state = state(board);
     let (key, style) = state.keys();
     html.raw("<section id=\"line\"><h1>")
@@ -64,13 +64,19 @@ pub(super) fn line(html: &mut Html, board: &Board, words: &Table) {
         .raw(" ")
         .text(&board.settings.station);
     html.raw("</h1><p class=\"now ").text(style).raw("\"><b>").text(words.say(key)).raw("</b> ");
-    if let State::Stopped(stop) = state {
-        html.text(words.say(&stop.key())).raw(" ");
+    if let Some(key) = state.help() {
+        html.text(words.say(&key)).raw(" ");
     }
     if !board.cause.is_empty() {
         html.element("<span lang=\"en\">", &board.cause, "</span>");
     }
     html.raw("</p>");
+    if state == State::NoJob {
+        html.raw("<p class=\"turns\"><a href=\"").text(&address.on(Page::Engineer).link());
+        html.element("\">", words.say("label.engineer"), "</a> ");
+        explain::short(html, board, address, board.health_of(RoleId::Judge).map_or(0, |of| of.last_error));
+        html.raw("</p>");
+    }
     if !board.job.name.is_empty() {
         html.raw("<p>").text(words.say("label.job")).raw(" ").text(&board.job.name);
         html.element(" <code>", &format!("{:016x}", board.job.hash), "</code></p>");
@@ -264,7 +270,40 @@ pub(super) fn sign(outcome: &str) -> &'static str {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::board::Settings;
+    use crate::code::Code;
+    use crate::line::{Line, Stop};
+    use crate::page::view;
+    use crate::sample::settings;
     use crate::words::Tables;
+    use shm_schemas::{JudgePhase, Judging};
+
+    #[test]
+    fn a_line_without_a_job_says_so_in_every_language_and_leads_to_where_one_is_taught_and_explained() {
+        let code = Code { number: 311, name: "AND-311", meaning: "no job is selected", ..Code::default() };
+        let mut board = Board::new(Settings { codes: vec![code], ..settings() });
+        board.judging(&Judging { phase: JudgePhase::NoJob.code(), ..Judging::default() });
+        board.health(&Health { role: RoleId::Judge.code(), last_error: 311, ..Health::default() });
+        board.line(Line::NoJob, "");
+        assert!(board.has_no_job());
+        for (code, _) in board.settings.tables.languages() {
+            let words = board.settings.tables.get(code).unwrap();
+            let shows = |page: Page, text: &str| {
+                let drawn = view(&board, &Address::new(page, &format!("lang={code}")));
+                assert!(drawn.contains(&text.replace('\'', "&#39;")), "{code}: {text} is not in {drawn}");
+            };
+            for page in [Page::Worker, Page::Technician, Page::Engineer] {
+                shows(page, words.say("state.NoJob"));
+            }
+            shows(Page::Worker, words.say("stop.NoJob"));
+            shows(Page::Technician, words.say("stop.NoJob"));
+            shows(Page::Technician, &format!("<p class=\"turns\"><a href=\"/engineer?lang={code}\">"));
+            shows(Page::Technician, "AND-311</a> no job is selected</span></p>");
+        }
+        board.line(Line::Stopped(Stop::Role), "perceive gives no sign of life");
+        let drawn = view(&board, &Address::new(Page::Technician, ""));
+        assert!(drawn.contains("NOT WATCHING") && !drawn.contains("class=\"turns\"><a href=\"/engineer"));
+    }
 
     #[test]
     fn numbers_of_a_role_are_written_as_in_the_language_of_the_page() {

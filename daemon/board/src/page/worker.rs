@@ -75,9 +75,9 @@ fn head(html: &mut Html, board: &Board, words: &Table) {
 /// What is wrong, and what helps.
 fn told(html: &mut Html, board: &Board, words: &Table, state: State) {
     html.raw("<div class=\"told\">");
-    match (state, board.piece.cause()) {
-        (State::Stopped(stop), _) => drop(html.element("<p class=\"help\">", words.say(&stop.key()), "</p>")),
-        (state, Some(cause)) if state.tells() => fault(html, &Teller { words, job: &board.job }, cause),
+    match (state.help(), board.piece.cause()) {
+        (Some(help), _) => drop(html.element("<p class=\"help\">", words.say(&help), "</p>")),
+        (None, Some(cause)) if state.tells() => fault(html, &Teller { words, job: &board.job }, cause),
         _ => (),
     }
     html.raw("</div>");

@@ -112,7 +112,7 @@ table! {
     WARN 310 COMMAND_REFUSED: "a command is malformed or does not fit the state",
         "Check the order of the commands against the register map";
     WARN 311 NO_JOB: "no job is selected: nothing is judged",
-        "Set station.job, or let the PLC select a job";
+        "Set station.job, let the PLC select a job, or teach and load one on the engineer's page of the board";
     WARN 312 FRAME_OUT_OF_ORDER: "a frame came late, twice or out of order and was refused",
         "If it happens again and again, look at the camera's driver and at the load of the machine";
     WARN 313 NOTE: "a step was done in a way that nobody has shown, but it breaks no rule of the order",

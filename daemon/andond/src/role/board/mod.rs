@@ -219,7 +219,9 @@ impl<'c> Pages<'c> {
         }
         let line = self.line.line(now);
         let line = self.shown(line);
-        self.board.line(line, &self.line.cause());
+        // A judge without a job is always starting, which says nothing to anybody.
+        let cause = if line == Line::NoJob { String::new() } else { self.line.cause() };
+        self.board.line(line, &cause);
         self.look_for_clips();
     }
 
@@ -245,6 +247,7 @@ impl<'c> Pages<'c> {
         match line {
             PlcLine::Ready => Line::Ready,
             PlcLine::Starting if self.line.has_ended() => Line::Stopped(Stop::Ended),
+            PlcLine::Starting if self.line.has_idle_judge() && self.board.has_no_job() => Line::NoJob,
             PlcLine::Starting => {
                 let since = self.starting.get_or_insert_with(Instant::now);
                 if since.elapsed() < STARTS { Line::Starting } else { Line::Stopped(Stop::Role) }
