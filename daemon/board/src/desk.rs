@@ -6,6 +6,7 @@ use andon_http::{Later, Response};
 use shm_schemas::{Printed, PrintedState, Showing, TaskKind, VerdictMeasure};
 
 use crate::address::Page;
+use crate::audited::Audited;
 use crate::board::Board;
 use crate::order::Order;
 
@@ -161,6 +162,8 @@ impl Shown {
 pub(crate) struct Desk {
     pub(crate) known: Known,
     pub(crate) shown: Option<Shown>,
+    /// What was done last, newest first.
+    pub(crate) audited: Vec<Audited>,
     pub(crate) orders: Vec<Order>,
     fetches: Vec<Fetch>,
     asked_ns: Option<u64>,

@@ -19,6 +19,7 @@
 mod access;
 mod address;
 mod answer;
+mod audited;
 mod board;
 mod clips;
 mod code;
@@ -46,6 +47,7 @@ mod watchers;
 mod words;
 
 pub use access::{Login, Logins, LoginsError, MAX_NAME, Rank, Tried, Try};
+pub use audited::Audited;
 pub use board::{Board, Past, Settings};
 pub use clips::Clips;
 pub use code::Code;

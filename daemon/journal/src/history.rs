@@ -107,13 +107,21 @@ impl History {
         let mut statement = self.connection.prepare(query).map_err(failed)?;
         let mut rows = statement.query(params![since_utc_ns.map_or(0, signed)]).map_err(failed)?;
         while let Some(row) = rows.next().map_err(failed)? {
-            let entry = || -> rusqlite::Result<AuditEntry> {
-                let (utc_ns, kind) = (row.get("utc_ns").map(unsigned)?, row.get("kind")?);
-                Ok(AuditEntry { utc_ns, kind, who: row.get("who")?, what: row.get("what")? })
-            };
-            visit(entry().map_err(failed)?)?;
+            visit(audit_entry(row).map_err(failed)?)?;
         }
         Ok(())
+    }
+
+    /// What was done last, newest first: at most so many entries.
+    ///
+    /// # Errors
+    /// [`JournalError`] of the database.
+    pub fn newest_audit(&self, count: u32) -> Result<Vec<AuditEntry>, JournalError> {
+        let failed = |source| JournalError::of(&self.path, 0, source);
+        let query = "SELECT utc_ns, kind, who, what FROM audit ORDER BY id DESC LIMIT ?1";
+        let mut statement = self.connection.prepare(query).map_err(failed)?;
+        let rows = statement.query_map(params![count], audit_entry).map_err(failed)?;
+        rows.map(|row| row.map_err(failed)).collect()
     }
 
     /// Writes everything that was done since this time as CSV.
@@ -200,6 +208,11 @@ impl History {
 fn no_log() -> rusqlite::Error {
     let cause = ffi::Error::new(ffi::SQLITE_CANTOPEN);
     rusqlite::Error::SqliteFailure(cause, Some("it has no log: nobody writes it".to_owned()))
+}
+
+fn audit_entry(row: &Row<'_>) -> rusqlite::Result<AuditEntry> {
+    let (utc_ns, kind) = (row.get("utc_ns").map(unsigned)?, row.get("kind")?);
+    Ok(AuditEntry { utc_ns, kind, who: row.get("who")?, what: row.get("what")? })
 }
 
 fn entry(row: &Row<'_>) -> rusqlite::Result<Entry> {

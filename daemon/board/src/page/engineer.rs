@@ -5,7 +5,7 @@
 use shm_schemas::{PrintedState, RoleId, Showing};
 
 use super::technician::{heads, is_silent, line, picture};
-use super::{plain, token};
+use super::{audit, plain, token};
 use crate::access::Visitor;
 use crate::address::{Address, Page};
 use crate::board::Board;
@@ -26,6 +26,7 @@ pub(super) fn draw(html: &mut Html, board: &Board, words: &Table, address: &Addr
     jobs(html, board, words, address);
     films(html, board, words);
     files(html, board, words);
+    audit::draw(html, board, words);
 }
 
 /// The whole page.
@@ -39,7 +40,9 @@ pub(super) fn draw_whole(
     html.raw("<main>");
     line(html, board, words, address);
     if !board.settings.takes_orders {
-        html.element("<p class=\"now check\">", words.say("engineer.off"), "</p></main>");
+        html.element("<p class=\"now check\">", words.say("engineer.off"), "</p>");
+        audit::draw(html, board, words);
+        html.raw("</main>");
         return;
     }
     order_form(html, address, visitor);
@@ -55,7 +58,9 @@ pub(super) fn draw_whole(
     if board.settings.picture {
         picture(html, words, address);
     }
-    html.raw("</div></main>");
+    html.raw("</div>");
+    audit::draw(html, board, words);
+    html.raw("</main>");
 }
 
 /// Whether a task runs.
@@ -105,7 +110,8 @@ fn told(html: &mut Html, shown: &Shown, words: &Table) {
         PrintedState::Begun | PrintedState::Line => ("quiet", "\u{25b6} ", "running"),
     };
     html.raw("<h2 class=\"now ").raw(style).raw("\">").raw(sign);
-    html.text(words.say(&format!("task.{}", shown.kind.name()))).raw(" ").text(&shown.name).raw(": ");
+    html.text(words.say(&format!("task.{}", shown.kind.name())));
+    html.raw(if shown.name.is_empty() { "" } else { " " }).text(&shown.name).raw(": ");
     html.element("<b>", words.say(&format!("engineer.{key}")), "</b>");
     html.element(" <small>", &shown.who, "</small></h2>");
     if shown.is_running() {

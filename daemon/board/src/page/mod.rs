@@ -1,5 +1,6 @@
 //! The pages. Each is drawn whole on the server; a browser with scripts replaces what is new in it.
 
+mod audit;
 mod confirmed;
 mod engineer;
 mod event;

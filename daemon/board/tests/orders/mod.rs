@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use andon_board::{Known, KnownJob, Ordered, Version};
+use andon_board::{Audited, Known, KnownJob, Ordered, Version};
 use shm_schemas::{Printed, PrintedState, Task, TaskKind};
 
 use crate::answer::{header, status};
@@ -85,6 +85,9 @@ fn an_order_that_is_none_or_too_long_is_refused_and_what_a_job_is_called_is_text
         printed.of(&task);
         printed.say(&markup);
         plant.board.lock().unwrap().printed(&printed);
+        let (kind, who, what) = (markup.clone(), markup.clone(), markup.clone());
+        let deed = Audited { utc_ns: 7, kind, who, what, became: markup.clone() };
+        plant.board.lock().unwrap().audited(vec![deed]);
         for address in ["/engineer", "/engineer/job?at=polish"] {
             let page = plant.get(address, &session);
             assert_eq!(status(&page), 200, "{page}");

@@ -137,6 +137,10 @@ fn what_was_done_is_kept_once_with_who_and_when_and_a_change_names_what_was_befo
     };
     history.visit_audit(None, collect).unwrap();
     assert_eq!(audits, ["5 command 192.0.2.7: enable", "8 configuration user 0: hash 2, before: hash 1"]);
+    let newest = |count| -> Vec<u64> {
+        history.newest_audit(count).unwrap().iter().map(|audit| audit.utc_ns).collect()
+    };
+    assert_eq!((newest(1), newest(9)), (vec![8], vec![8, 5]));
     let mut csv = Vec::new();
     history.write_audit_csv(Some(6), &mut csv).unwrap();
     let csv = String::from_utf8(csv).unwrap();

@@ -14,6 +14,7 @@ mod engineer;
 mod films;
 mod past;
 mod seen;
+mod trail;
 
 use std::net::SocketAddr;
 use std::path::Path;
@@ -37,6 +38,7 @@ use films::Films;
 use jiff::{Timestamp, Zoned};
 use past::PastReader;
 use shm_schemas::{Health, Judging, Verdict};
+use trail::Trail;
 
 use super::audit::Auditor;
 use super::line::LineHealth;
@@ -80,6 +82,7 @@ struct Pages<'c> {
     past: PastReader,
     camera: Camera,
     films: Films,
+    trail: Trail,
     door: Door,
     confirmer: Confirmer,
     engineer: Engineer,
@@ -126,6 +129,7 @@ impl Role for Pages<'_> {
             self.job = None;
         }
         self.films.turn(&mut self.board);
+        self.trail.turn(&mut self.board);
         self.board.publish(now.nanoseconds());
         let board = &mut self.board;
         self.server.serve(|request| board.answer(request));
@@ -162,6 +166,7 @@ impl<'c> Pages<'c> {
             confirmer: Confirmer::new(config.journal_path(), Auditor::open(node)?, node.reader()?),
             engineer: Engineer::open(node, config)?,
             films: Films::new(config),
+            trail: Trail::new(config.journal_path()),
             line: LineHealth::new(config),
             starting: None,
             job: None,
