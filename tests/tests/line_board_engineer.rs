@@ -1,22 +1,31 @@
 //! A person who has never seen a shell: from a station without a job to one that judges, on the board alone, in a real browser.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use andon_ipc::{Node, Reader};
+use andon_perception::Dictionary;
 use andon_tests::browser::{Browser, Tab};
-use andon_tests::line::{Line, Settings, Watcher, free_port, save_runs};
+use andon_tests::line::{Line, NOISE, PATIENCE, Settings, Watcher, free_port, save_runs, stand_in};
+use andon_tests::simulator::Flaw;
+use rustix::process::Signal;
 use serde_json::json;
+use shm_schemas::{Detections, RoleId};
 use std::fs;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 const FULL_HD: [u32; 2] = [1920, 1080];
 const WHOLE: [u32; 2] = [1920, 2400];
 const TABLET: [u32; 2] = [800, 1280];
 const PASSWORD: &str = "correct horse";
 
-/// A station without a job that plays a worker, with a board on this machine, recordings, and a login for each rank.
-fn station() -> (Line, Watcher, String) {
-    let mut line = Line::new(Settings::live());
+/// The markers of the bench, from the left near the worker and round, each with its place in metres.
+const CORNERS: [(u16, [f64; 2]); 4] =
+    [(46, [-0.25, -0.15]), (47, [0.25, -0.15]), (48, [0.25, 0.15]), (49, [-0.25, 0.15])];
+
+/// Starts a station without a job, which these roles belong to besides. It has a board on this machine, recordings, and a login for each rank.
+fn start(mut line: Line, besides: &[&'static str]) -> (Line, Watcher, String) {
     let port = free_port();
-    line.reconfigure("job = \"job.toml\"\n", "jobs = \"jobs\"\n");
+    let text = fs::read_to_string(line.config()).unwrap();
+    line.reconfigure(text.lines().find(|row| row.starts_with("job = ")).unwrap(), "jobs = \"jobs\"");
     let tables = format!(
         "[board]\nenable = true\nport = {port}\nlogins = \"logins.toml\"\n\n[executor]\nenable = true\npath = \"made\"\n\n[plc]\n"
     );
@@ -27,11 +36,89 @@ fn station() -> (Line, Watcher, String) {
         let output = line.command_told("board", &["login", name, "--role", role], PASSWORD);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
-    let watcher = line.launch();
-    line.start("executor");
-    line.start("board");
+    let watcher = if text.contains("[record]") { line.launch_recorded() } else { line.launch() };
+    for role in besides.iter().chain(&["executor", "board"]) {
+        line.start(role);
+    }
     line.wait_for_log("board", "AND-620", "");
     (line, watcher, format!("http://localhost:{port}"))
+}
+
+/// Who stands at the bench and sees whether somebody works.
+struct Bench {
+    node: Node,
+    seen: Reader<Detections>,
+}
+
+impl Bench {
+    fn new(line: &Line) -> Self {
+        let node = stand_in(line, RoleId::Tool);
+        let seen = node.reader().unwrap();
+        Self { node, seen }
+    }
+
+    fn until_somebody_works(&mut self) {
+        while self.next_hands() == 0 {}
+    }
+
+    /// A hand may be hidden for a moment.
+    fn until_nobody_works(&mut self) {
+        let mut without_hands = 0;
+        while without_hands < 30 {
+            without_hands = if self.next_hands() == 0 { without_hands + 1 } else { 0 };
+        }
+    }
+
+    /// How many hands the next picture has.
+    fn next_hands(&mut self) -> u32 {
+        let until = Instant::now() + PATIENCE;
+        loop {
+            if let Some(seen) = self.seen.take().unwrap() {
+                return seen.hands_len;
+            }
+            assert!(Instant::now() < until, "nothing is seen");
+            self.node.wait(&mut [&mut self.seen], Duration::from_millis(50)).unwrap();
+        }
+    }
+}
+
+/// Logs in as an engineer.
+fn enter(browser: &mut Browser, address: &str) -> Tab {
+    let tab = browser.open(address, FULL_HD);
+    browser.log_in(&tab, "eva", PASSWORD);
+    browser.until(&tab, "document.getElementById('count') !== null");
+    tab
+}
+
+/// Waits for a right piece.
+fn judges(watcher: &mut Watcher) {
+    watcher.until("a right piece", |watcher| {
+        watcher.verdicts.iter().any(|verdict| (verdict.level, verdict.outcome) == (3, 1))
+    });
+}
+
+/// A grey picture of 640 by 480 pixels, as PGM: a camera looks straight down on the markers of the bench.
+fn bench() -> Vec<u8> {
+    const PX_PER_M: f64 = 1050.0;
+    const MODULE_PX: usize = 7;
+    let mut pixels = vec![170_u8; 640 * 480];
+    for (id, [x, y]) in CORNERS {
+        let pattern = Dictionary::default().pattern(id).unwrap();
+        let quiet = pattern.modules + 2;
+        let half = (quiet * MODULE_PX) as f64 / 2.0;
+        let [left, top] =
+            [320.0 + PX_PER_M * x - half, 240.0 - PX_PER_M * y - half].map(|edge| edge as usize);
+        for (row, column) in
+            (0..quiet * MODULE_PX).flat_map(|row| (0..quiet * MODULE_PX).map(move |at| (row, at)))
+        {
+            let [down, right] =
+                [row, column].map(|at| (at / MODULE_PX).checked_sub(1).filter(|at| *at < pattern.modules));
+            let is_black =
+                down.zip(right).is_some_and(|(down, right)| pattern.black[down * pattern.modules + right]);
+            pixels[(top + row) * 640 + left + column] = if is_black { 30 } else { 220 };
+        }
+    }
+    [&b"P5\n640 480\n255\n"[..], &pixels].concat()
 }
 
 /// Presses a button once it is there. A page that is drawn anew has another one of its name.
@@ -72,7 +159,9 @@ fn look(browser: &mut Browser, tab: &Tab, name: &str) {
 
 #[test]
 fn an_engineer_without_a_shell_teaches_a_job_names_its_steps_loads_it_and_it_judges() {
-    let (line, mut watcher, board) = station();
+    let line = Line::new(Settings::live());
+    line.record("always");
+    let (mut line, mut watcher, board) = start(line, &[]);
     let mut browser = Browser::start();
     let tab = browser.open(&format!("{board}/engineer"), FULL_HD);
     // Also on the machine itself nobody reads it without a login, and a technician does not.
@@ -83,6 +172,17 @@ fn an_engineer_without_a_shell_teaches_a_job_names_its_steps_loads_it_and_it_jud
     browser.until(&tab, "document.body.innerText.includes('Log in with another one')");
     browser.log_in(&tab, "eva", PASSWORD);
     browser.until(&tab, "location.pathname === '/engineer'");
+    browser.until(&tab, "document.body.innerText.includes('There is no job yet')");
+    for (page, name, says) in [("technician", "technician", "AND-311"), ("", "worker", "No job is loaded")] {
+        browser.go(&tab, &format!("{board}/{page}"));
+        browser.until(
+            &tab,
+            &format!("['NO JOB', '{says}'].every(text => document.body.innerText.includes(text))"),
+        );
+        look(&mut browser, &tab, &format!("no-job-{name}"));
+    }
+    browser.go(&tab, &format!("{board}/technician"));
+    press(&mut browser, &tab, "#line a[href=\"/engineer\"]");
     browser.until(&tab, "document.body.innerText.includes('There is no job yet')");
     // They were looked for since the page was asked for.
     browser.until(&tab, "document.querySelectorAll('[name=film]').length === 6");
@@ -119,11 +219,24 @@ fn an_engineer_without_a_shell_teaches_a_job_names_its_steps_loads_it_and_it_jud
     press(&mut browser, &tab, "#jobs button[name=load]");
     ends(&mut browser, &tab, "good");
     browser.until(&tab, "document.querySelector('#jobs').innerText.includes('in force')");
-    watcher.until("a right piece", |watcher| {
-        watcher.verdicts.iter().any(|verdict| (verdict.level, verdict.outcome) == (3, 1))
-    });
+    browser.until(
+        &tab,
+        "[...document.querySelectorAll('#audit tbody tr')]
+            .some(row => ['login eva', 'Order', 'load polish', 'done'].every(text => row.innerText.includes(text)))",
+    );
+    look(&mut browser, &tab, "engineer-audit");
+    judges(&mut watcher);
     browser.go(&tab, &format!("{board}/"));
     browser.until(&tab, "document.body.innerText.includes('Polish the brick')");
+
+    // What was recorded until now is judged again.
+    line.role("record").signal(Signal::TERM);
+    assert!(line.role("record").wait().success(), "{}", line.log("record"));
+    browser.go(&tab, &format!("{board}/engineer/job?at=polish"));
+    press(&mut browser, &tab, "button[name=whatif]");
+    ends(&mut browser, &tab, "good");
+    browser.until(&tab, "/pieces right +[1-9]/.test(document.querySelector('#task').innerText)");
+    look(&mut browser, &tab, "engineer-whatif");
 
     let output = line.command("history", &["--audit", "--csv"]);
     let kept = String::from_utf8(output.stdout).unwrap();
@@ -134,11 +247,9 @@ fn an_engineer_without_a_shell_teaches_a_job_names_its_steps_loads_it_and_it_jud
 
 #[test]
 fn a_job_is_shown_at_the_bench_by_buttons_and_an_order_without_the_role_that_does_it_is_said_to_be_none() {
-    let (mut line, _watcher, board) = station();
+    let (mut line, _watcher, board) = start(Line::new(Settings::live()), &[]);
     let mut browser = Browser::start();
-    let tab = browser.open(&format!("{board}/engineer?lang=de"), FULL_HD);
-    browser.log_in(&tab, "eva", PASSWORD);
-    browser.until(&tab, "document.getElementById('count') !== null");
+    let tab = enter(&mut browser, &format!("{board}/engineer?lang=de"));
     browser.value(
         &tab,
         "document.getElementById('job').value = 'shown'; document.getElementById('count').value = '2';
@@ -167,4 +278,77 @@ fn a_job_is_shown_at_the_bench_by_buttons_and_an_order_without_the_role_that_doe
     press(&mut browser, &tab, "button[value=markers]");
     browser.until(&tab, "document.body.innerText.includes('antwortet nicht')");
     browser.keep(&tab, "engineer-unheard");
+}
+
+#[test]
+fn a_job_that_is_shown_at_the_bench_by_buttons_is_loaded_and_judges() {
+    let line = Line::new(Settings::live());
+    line.work_in_turn(&[Flaw::None], 10.0);
+    let (line, mut watcher, board) = start(line, &[]);
+    let mut bench = Bench::new(&line);
+    let mut browser = Browser::start();
+    let tab = enter(&mut browser, &format!("{board}/engineer"));
+    browser.value(
+        &tab,
+        "document.getElementById('job').value = 'shown'; document.getElementById('count').value = '1';
+         document.querySelector('[name=force]').checked = true; true",
+    );
+    press(&mut browser, &tab, "button[value=live]");
+    bench.until_nobody_works();
+    press(&mut browser, &tab, "button[value=\"run/d\"]");
+    bench.until_somebody_works();
+    bench.until_nobody_works();
+    press(&mut browser, &tab, "button[value=\"run/\"]");
+    press(&mut browser, &tab, "button[value=\"keep/t\"]");
+    ends(&mut browser, &tab, "good");
+    press(&mut browser, &tab, "#jobs button[name=load]");
+    ends(&mut browser, &tab, "good");
+    judges(&mut watcher);
+}
+
+#[test]
+fn markers_are_drawn_and_the_bench_is_looked_at_and_calibrated_by_buttons() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("bench.pgm");
+    fs::write(&picture, bench()).unwrap();
+    let film = ["-loop", "1", "-framerate", "30", "-t", "5", "-i", picture.to_str().unwrap(), "-vf", NOISE];
+    let (line, _watcher, board) = start(Line::with_film("", "", &film), &["capture"]);
+    let mut browser = Browser::start();
+    let tab = enter(&mut browser, &format!("{board}/engineer"));
+
+    press(&mut browser, &tab, "button[value=markers]");
+    ends(&mut browser, &tab, "good");
+    browser.until(&tab, "document.querySelector('#made a[href$=\"markers.pdf\"]') !== null");
+    let begins =
+        "fetch('/engineer/made/markers.pdf').then(answer => answer.text()).then(text => text.slice(0, 5))";
+    assert_eq!(browser.value(&tab, begins), json!("%PDF-"));
+
+    press(&mut browser, &tab, "button[value=look]");
+    ends(&mut browser, &tab, "good");
+    browser.until(&tab, "document.querySelector('#task').innerText.includes('640 x 480 pixels')");
+    browser.until(&tab, "document.querySelector('#made a[href$=\"seen.jpg\"]') !== null");
+    look(&mut browser, &tab, "engineer-looked");
+
+    let calibrate = |browser: &mut Browser, first: u16, class: &str, says: &str| {
+        let given = |(number, (id, [x, y])): (u16, (u16, [f64; 2]))| {
+            let id = if number == 1 { first } else { id };
+            format!("document.getElementById('m{number}').value = '{id}={x},{y}';")
+        };
+        let fill: String = (1..).zip(CORNERS).map(given).collect();
+        browser.value(&tab, &format!("document.querySelector('details').open = true; {fill} true"));
+        press(browser, &tab, "button[value=calibrate]");
+        ends(browser, &tab, class);
+        browser.until(&tab, &format!("document.querySelector('#task').innerText.includes('{says}')"));
+    };
+    calibrate(&mut browser, 45, "fault", "not found in the picture");
+    assert!(!line.path("made/calibration.toml").exists());
+    calibrate(&mut browser, CORNERS[0].0, "good", "each marker lies within");
+    assert!(line.path("made/calibration.toml").is_file());
+    browser.until(&tab, "document.querySelector('#made a[href$=\"calibrated.jpg\"]') !== null");
+    look(&mut browser, &tab, "engineer-calibrated");
+    for name in ["seen", "calibrated"] {
+        browser.go(&tab, &format!("{board}/engineer/made/{name}.jpg"));
+        browser.until(&tab, "document.images[0].naturalWidth === 640");
+        browser.keep(&tab, &format!("engineer-{name}-picture"));
+    }
 }
