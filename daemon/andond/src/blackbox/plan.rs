@@ -79,7 +79,8 @@ struct Reading {
     first_frame_ns: Option<u64>,
     /// The first detections, and the newest.
     detections: Option<(MessageId, MessageId)>,
-    couples: Vec<MessageId>,
+    /// Of which frame each of the couples are, and which they are.
+    couples: Vec<(u64, MessageId)>,
     encoders: Vec<EncoderRun>,
     sent: BTreeMap<(u64, u64), Vec<Sent>>,
     commands: Vec<CommandMessage>,
@@ -203,7 +204,7 @@ impl Reading {
 
     fn take_couples(&mut self, couples: &Couples) {
         let Stamp { epoch, captured_ns, .. } = couples.stamp;
-        self.couples.push(couples.stamp.id());
+        self.couples.push((captured_ns, couples.stamp.id()));
         let sent = Sent { id: couples.stamp.id(), digest: digest(couples) };
         self.sent.entry((captured_ns, epoch)).or_default().push(sent);
         let Couples { model_hash, began_ns, .. } = *couples;
@@ -217,9 +218,12 @@ impl Reading {
     fn into_plan(self, path: &Path) -> Result<Plan, BlackboxError> {
         let station = Station::of(path, &self.attached)?;
         let (mut before, mut after) = (HashMap::<_, Vec<_>>::new(), HashMap::<_, Vec<_>>::new());
-        let first_couples = self.couples.first().copied();
+        // Couples of a frame that came before the first one here never come out again: nothing can be placed at them.
+        let first_ns = self.first_frame_ns.unwrap_or(u64::MAX);
+        let of_frames = self.couples.iter().filter(|(captured_ns, _)| *captured_ns >= first_ns);
         // A day has millions of them, and thousands of commands.
-        let couples: HashSet<MessageId> = self.couples.iter().copied().collect();
+        let couples: HashSet<MessageId> = of_frames.clone().map(|(_, id)| *id).collect();
+        let first_couples = of_frames.map(|(_, id)| *id).next();
         let firsts = self.firsts();
         let mut is_from_start = match (self.encoders.first(), self.first_frame_ns) {
             (Some(run), Some(first_ns)) => run.began_ns >= first_ns,
