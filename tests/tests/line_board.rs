@@ -145,6 +145,14 @@ fn events_are_listed_newest_first_and_a_deep_link_a_reload_and_the_back_button_k
         show('<section id=events><p><a href=/technician>beside</a></p></section>');
         document.activeElement.innerText";
     assert_eq!(browser.value(&tab, goes), json!("beside"));
+    // A tick stays with what was ticked, although something else comes before it.
+    let ticked = "
+        const box = (film) => `<label><input type=checkbox name=film value=${film}></label>`;
+        show(`<section id=events>${box('b')}</section>`);
+        document.querySelector('[value=b]').checked = true;
+        show(`<section id=events>${box('a')}${box('b')}</section>`);
+        [...document.querySelectorAll('[name=film]:checked')].map((box) => box.value).join()";
+    assert_eq!(browser.value(&tab, &format!("(() => {{ {} }})()", ticked.replace("[...", "return [..."))), json!("b"));
 
     // The fault is chosen in the form, and the address has it.
     let choose = "

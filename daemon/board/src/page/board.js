@@ -8,6 +8,9 @@ const SILENT_MS = 850;
 /** A connection that is silent for so long is made anew: the network may have swallowed it. */
 const RENEW_MS = 3000;
 const LOOK_MS = 50;
+/** What somebody uses, and what can have the focus. */
+const USED = "[name], [href]";
+const FOCUSED = "a[href], button, select, input:not([type=hidden]), [tabindex]";
 
 const lost = /** @type {HTMLElement} */ (document.getElementById("lost"));
 const elsewhere = /** @type {HTMLElement} */ (document.getElementById("elsewhere"));
@@ -80,8 +83,8 @@ function show(drawn) {
     }
     if (focused && !focused.isConnected) {
         // Who uses the keyboard goes on beside what has gone.
-        const rest = around.find((element) => element.isConnected);
-        /** @type {HTMLElement | null | undefined} */ (rest?.querySelector("a[href], button, input, select"))?.focus();
+        const rest = around.find((element) => element.isConnected && element.querySelector(FOCUSED));
+        /** @type {HTMLElement | null | undefined} */ (rest?.querySelector(FOCUSED))?.focus();
     }
 }
 
@@ -134,14 +137,28 @@ function follow(shown, fresh) {
 }
 
 /**
- * The node among these siblings that was drawn for the same: of the same kind, and with the same id if it has one.
+ * What a node stands for: its id, or else what its first input, button or link says or leads to. Nothing of another thing may stay in its place, as a
+ * tick, the focus, or a button that is just being pressed.
+ * @param {ChildNode} node
+ */
+function meaning(node) {
+    if (!(node instanceof Element)) {
+        return node.nodeName;
+    }
+    const first = node.matches(USED) ? node : node.querySelector(USED);
+    const said = ["name", "value", "href"].map((name) => first?.getAttribute(name) ?? "");
+    return [node.nodeName, ...(node.id ? [node.id] : said)].join(" ");
+}
+
+/**
+ * The node among these siblings that was drawn for the same.
  * @param {ChildNode | null} first
  * @param {ChildNode} fresh
  */
 function counterpart(first, fresh) {
-    const id = (/** @type {ChildNode} */ node) => (node instanceof Element ? node.id : "");
+    const wanted = meaning(fresh);
     let node = first;
-    while (node && (node.nodeName !== fresh.nodeName || id(node) !== id(fresh))) {
+    while (node && meaning(node) !== wanted) {
         node = node.nextSibling;
     }
     return node;
