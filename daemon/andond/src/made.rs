@@ -36,12 +36,13 @@ impl Made {
 
     /// What a backup has of it: neither recordings nor pictures of the bench.
     pub(crate) fn kept(&self) -> Vec<PathBuf> {
-        let [own, reports, markers, versions, stations, _jobs] = self.folders();
-        let pictures = self.pictures();
-        let kept = [own, reports, markers, versions, stations].into_iter().flat_map(|folder| files(&folder));
+        // Others may have files in the folder itself.
+        let [_folder, folders @ .., _jobs] = self.folders();
+        let calibration = Some(self.calibration()).filter(|path| path.is_file());
         // What begins with a dot is being written.
         let is_whole = |path: &PathBuf| named(path).is_some_and(|name| !name.starts_with('.'));
-        kept.filter(|path| is_whole(path) && !pictures.contains(path)).collect()
+        let kept = folders.iter().flat_map(|folder| files(folder)).filter(is_whole);
+        kept.chain(calibration).collect()
     }
 
     /// The pictures of the bench that were taken when somebody looked or calibrated.

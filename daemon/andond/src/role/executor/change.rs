@@ -18,7 +18,7 @@ pub(super) enum Change {
     Remove { file: PathBuf },
 }
 
-/// What was changed, as it was before.
+/// What was changed, as it was before. Where nobody says what becomes of it, as where the role ends by an error, it is put back.
 #[derive(Debug, Default)]
 pub(super) struct Before(Vec<Was>);
 
@@ -27,8 +27,8 @@ struct Was {
     file: PathBuf,
     /// `None` where there was none.
     bytes: Option<Vec<u8>>,
-    /// What the command has written in its place stays.
-    is_for_command: bool,
+    /// What was put in its place; `None` where it has made way for what the command writes.
+    put: Option<Vec<u8>>,
 }
 
 /// Makes all changes and begins what they are for, or does nothing.
@@ -65,25 +65,38 @@ impl Before {
             Change::Put { file, bytes } => {
                 let was = read(&file).map_err(failed(&file))?;
                 atomic::write(&file, &bytes).map_err(failed(&file))?;
-                self.0.push(Was { file, bytes: was, is_for_command: false });
+                self.0.push(Was { file, bytes: was, put: Some(bytes) });
                 Ok(())
             }
             Change::Remove { file } => {
                 let was = read(&file).map_err(failed(&file))?;
                 if was.is_some() {
                     fs::remove_file(&file).map_err(failed(&file))?;
-                    self.0.push(Was { file, bytes: was, is_for_command: true });
+                    self.0.push(Was { file, bytes: was, put: None });
                 }
                 Ok(())
             }
         }
     }
 
+    /// The task is done: what was changed stays.
+    pub(super) fn keep(mut self) {
+        self.0.clear();
+    }
+
     /// The task has failed or was stopped: its files are again what they were. What has been put in the place of a file stays where the command had
     /// done its work already.
-    pub(super) fn put_back(self, has_done_its_work: bool) {
-        for Was { file, bytes, is_for_command } in self.0 {
-            let stays = if is_for_command { file.exists() } else { has_done_its_work };
+    pub(super) fn put_back(mut self, has_done_its_work: bool) {
+        self.restore(has_done_its_work);
+    }
+
+    /// What somebody else has written meanwhile stays as well.
+    fn restore(&mut self, has_done_its_work: bool) {
+        for Was { file, bytes, put } in self.0.drain(..) {
+            let stays = match put {
+                Some(put) => has_done_its_work || fs::read(&file).ok() != Some(put),
+                None => file.exists(),
+            };
             if stays {
                 continue;
             }
@@ -95,6 +108,12 @@ impl Before {
                 log!(code::EXECUTOR_CANNOT_WRITE, "{}: {error}", file.display());
             }
         }
+    }
+}
+
+impl Drop for Before {
+    fn drop(&mut self) {
+        self.restore(false);
     }
 }
 
@@ -164,10 +183,16 @@ mod tests {
         assert_eq!(all(folder.path()), changed.map(|(name, text)| (name.to_owned(), text.to_owned())));
         was.put_back(false);
         assert_eq!(all(folder.path()), before);
+        drop(and_begin(changes(folder.path()), || Ok(())).unwrap());
+        assert_eq!(all(folder.path()), before, "a role that ends by an error");
         let ((), was) = and_begin(changes(folder.path()), || Ok(())).unwrap();
-        fs::write(folder.path().join("report"), "another").unwrap();
+        for name in ["report", "new"] {
+            fs::write(folder.path().join(name), "another").unwrap();
+        }
         was.put_back(false);
-        assert_eq!(fs::read_to_string(folder.path().join("report")).unwrap(), "another");
+        for name in ["report", "new"] {
+            assert_eq!(fs::read_to_string(folder.path().join(name)).unwrap(), "another");
+        }
         let ((), was) = and_begin(changes(folder.path()), || Ok(())).unwrap();
         was.put_back(true);
         let text = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();

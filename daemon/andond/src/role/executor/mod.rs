@@ -130,11 +130,13 @@ impl Role for Executor<'_> {
 
 impl Executor<'_> {
     fn take(&mut self, cycle: &mut Cycle<'_>, task: &Task) -> Result<(), RoleError> {
-        if is_late(task, MonotonicTime::now()) {
+        let kind = TaskKind::try_from(task.kind);
+        // To stop is right at any time.
+        if kind != Ok(TaskKind::Stop) && is_late(task, MonotonicTime::now()) {
             // Nobody waits for an answer. Whoever has ordered it was told that nobody does it.
             return self.pass_over(cycle, task, "it came too late");
         }
-        match TaskKind::try_from(task.kind) {
+        match kind {
             Ok(TaskKind::Answer) => self.answer(cycle, task),
             Ok(TaskKind::Stop) => self.end_running(cycle, task),
             Ok(kind) if self.running.is_none() => match plan::of(kind, task, self.config) {
@@ -188,8 +190,9 @@ impl Executor<'_> {
             },
             _ => (PrintedState::Failed, String::new()),
         };
-        if state != PrintedState::Done {
-            running.before.put_back(is_good);
+        match state {
+            PrintedState::Done => running.before.keep(),
+            _ => running.before.put_back(is_good),
         }
         self.end(cycle, &running.task, state, &why)
     }
