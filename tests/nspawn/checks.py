@@ -122,7 +122,7 @@ def no_unit_is_more_exposed_than_0_9(machine, seen):
     assert max(seen["exposure"].values()) <= EXPOSURE, seen["exposure"]
 
 
-def the_executor_may_write_jobs_and_a_calibration_where_the_guide_says_and_nowhere_else(machine, seen):
+def the_executor_may_write_in_the_folder_of_its_state_and_nowhere_else(machine, seen):
     pid = machine.unit(unit("executor"))["MainPID"]
     # As the unit sees the disk; `test -w` asks the system, which knows what is mounted to be read only.
     asked = ["nsenter", f"--target={pid}", "--mount", "runuser", "-u", "andon", "--", "test", "-w"]
@@ -290,7 +290,7 @@ CHECKS = [
     a_plc_reads_the_status_word_and_a_c_program_the_verdicts,
     the_log_has_its_code_role_and_station_in_fields,
     no_unit_is_more_exposed_than_0_9,
-    the_executor_may_write_jobs_and_a_calibration_where_the_guide_says_and_nowhere_else,
+    the_executor_may_write_in_the_folder_of_its_state_and_nowhere_else,
     a_role_that_stands_still_is_ended_by_the_watchdog_and_comes_back,
     a_role_that_is_killed_comes_back_and_verdicts_go_on,
     every_thread_of_a_role_has_the_cores_and_the_priority_that_its_unit_is_given,

@@ -171,17 +171,6 @@ fn folders_in_which_an_engineer_s_commands_cannot_write_are_found_with_what_help
     refuses(&line, &station("jobs", "path = \"/proc/made\"\n"), &["executor.path: /proc/made", remedy]);
     let films = "path = \"made\"\nfilms = \"/proc/films\"\n";
     refuses(&line, &station("jobs", films), &["executor.films: /proc/films", "name another one"]);
-    // A calibration that is made on the board later is not missing, and one that cannot be written is said to be so.
-    let (code, said) = check(
-        &line,
-        &format!("[bench]\ncalibration = \"bench.toml\"\n{}", station("jobs", "path = \"made\"\n")),
-    );
-    assert!(code == Some(0) && said.contains("bench.toml is not there yet"), "{said}");
-    let proc = "[bench]\ncalibration = \"/proc/bench.toml\"\n";
-    let (code, said) = check(&line, &format!("{proc}{}", station("jobs", "path = \"made\"\n")));
-    assert!(code == Some(0) && said.contains("nobody can calibrate on the engineer's page"), "{said}");
-    let without = "[bench]\ncalibration = \"bench.toml\"\n";
-    ends(&line, without, 78, &["bench.calibration", "cannot be opened"]);
 }
 
 /// The line's job, changed.

@@ -267,29 +267,3 @@ fn a_mirrored_film_and_a_negative_one_each_say_their_cause() {
         assert_eq!(replayed.status.code(), Some(2));
     }
 }
-
-#[test]
-fn a_calibration_that_is_made_while_the_line_runs_is_taken_and_one_that_cannot_be_used_is_not() {
-    let mut line = Line::with_film(MAX, "", &["-i", "p1_none_r1.mp4"]);
-    let tables = "[board]\nenable = true\n\n[executor]\nenable = true\npath = \"made\"\n\n[bench]\ncalibration = \"bench.toml\"\n\n[journal]";
-    line.reconfigure("[journal]", tables);
-    let mut watcher = line.launch();
-    line.start("capture");
-    until_logged(&line, "perceive", "AND-226", "bench.toml");
-    let write = |text: &str| {
-        std::fs::write(line.path("bench.new"), text).unwrap();
-        std::fs::rename(line.path("bench.new"), line.path("bench.toml")).unwrap();
-    };
-    write("no calibration");
-    until_logged(&line, "perceive", "AND-208", "the one before it stays in force");
-    // A metre is 1000 pixels, and the middle of the picture is that of the bench.
-    write(
-        "width = 640\nheight = 480\nside_error = 0.0\ncentre_error_m = 0.0\n\
-         bench_from_image = [[0.001, 0.0, -0.32], [0.0, -0.001, 0.24], [0.0, 0.0, 1.0]]\n",
-    );
-    until_logged(&line, "perceive", "AND-225", "");
-    let pid = line.role("perceive").pid();
-    watcher.verdicts.clear();
-    watcher.until("verdicts by it", |watcher| !watcher.verdicts.is_empty());
-    watcher.until("the same process", |watcher| watcher.runs(RoleId::Perceive, pid));
-}

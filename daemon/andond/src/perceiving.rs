@@ -8,14 +8,10 @@ use shm_schemas::Judging;
 use crate::perception::{SetupError, perceiver};
 use crate::sight;
 
-fn expected(config: &Config) -> Expected {
-    let rate_hz = config.camera.source.is_live().then_some(config.camera.rate_hz);
-    Expected { rate_hz, ..sight::expected(config) }
-}
-
 /// Looks at the pictures of one station, one source after the other.
 pub struct Perceiving {
     perceiver: Perceiver,
+    expected: Expected,
     sight: SightMonitor,
     /// The pictures per second that the job in force needs.
     needed_hz: Option<f32>,
@@ -29,23 +25,15 @@ impl Perceiving {
     /// # Errors
     /// The model, the library or the calibration that is missing or damaged, and what to run.
     pub fn new(config: &Config) -> Result<Self, SetupError> {
+        let rate_hz = config.camera.source.is_live().then_some(config.camera.rate_hz);
+        let expected = Expected { rate_hz, ..sight::expected(config) };
         Ok(Self {
             perceiver: perceiver(config)?,
-            sight: SightMonitor::new(expected(config)),
+            expected,
+            sight: SightMonitor::new(expected),
             needed_hz: None,
             source_epoch: 0,
         })
-    }
-
-    /// Begins anew, with the calibration that is there now. Nothing that was learnt from pictures before holds.
-    ///
-    /// # Errors
-    /// As [`Perceiving::new`]; it then goes on as before.
-    pub fn begin(&mut self, config: &Config) -> Result<(), SetupError> {
-        self.perceiver = perceiver(config)?;
-        self.sight = SightMonitor::new(expected(config));
-        self.sight.set_needed_hz(self.needed_hz);
-        Ok(())
     }
 
     /// Follows the job in force.
@@ -62,7 +50,9 @@ impl Perceiving {
         let known = std::mem::replace(&mut self.source_epoch, epoch);
         let is_other = known != 0 && known != epoch;
         if is_other {
-            self.begin(config)?;
+            self.perceiver = perceiver(config)?;
+            self.sight = SightMonitor::new(self.expected);
+            self.sight.set_needed_hz(self.needed_hz);
         }
         Ok(is_other)
     }

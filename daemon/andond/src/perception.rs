@@ -32,18 +32,12 @@ pub fn perceiver(config: &Config) -> Result<Perceiver, SetupError> {
     Ok(Perceiver::new(&settings, calibration(config)?)?)
 }
 
-/// The calibration that the configuration names, if it names one and it is there.
+/// The calibration that the configuration names, if it names one.
 ///
 /// # Errors
 /// A calibration that cannot be read.
 pub fn calibration(config: &Config) -> Result<Option<Calibration>, CalibrationError> {
-    let path = config.bench.calibration.as_deref().filter(|_| !is_calibration_awaited(config));
-    path.map(Calibration::load).transpose()
-}
-
-/// Whether the station is to have a calibration that an engineer has not made on the board yet.
-pub fn is_calibration_awaited(config: &Config) -> bool {
-    config.executor.enable && config.bench.calibration.as_ref().is_some_and(|path| !path.exists())
+    config.bench.calibration.as_deref().map(Calibration::load).transpose()
 }
 
 fn hands(config: &Config) -> HandsConfig {

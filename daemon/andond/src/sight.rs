@@ -5,14 +5,12 @@ use andon_host::log::{Code, code};
 use andon_perception::sight::{Expected, Trouble};
 use shm_schemas::{Health, RoleId, Sight};
 
-use crate::perception::is_calibration_awaited;
-
 /// What is expected of a recording at this station.
 pub fn expected(config: &Config) -> Expected {
     Expected {
         rate_hz: None,
         hands: !config.perception.hands.is_empty(),
-        is_calibrated: config.bench.calibration.is_some() && !is_calibration_awaited(config),
+        is_calibrated: config.bench.calibration.is_some(),
     }
 }
 

@@ -45,9 +45,6 @@ pub trait Narrator {
     /// The job in force, as a file; `None` where it cannot be read.
     fn job(&mut self, judging: &Judging) -> Option<Attachment>;
 
-    /// A file that was written anew and belongs to every recording from now on, if there is one. It is asked about twice a second.
-    fn newer(&mut self) -> Option<Attachment>;
-
     /// A picture with what was seen in it and what was said of it, as JPEG.
     fn still(&mut self, picture: Decoded, seen: Option<&Detections>, verdict: &Verdict) -> Option<Vec<u8>>;
 }
@@ -305,9 +302,6 @@ impl<N: Narrator> Recording<N> {
                 if let Some(job) = self.narrator.job(&judging) {
                     self.recorder.attach_job(job);
                 }
-            }
-            if let Some(newer) = self.narrator.newer() {
-                self.recorder.attach(newer);
             }
             self.keep(&*judging, true);
             let is_running = judging.phase == JudgePhase::Running.code();

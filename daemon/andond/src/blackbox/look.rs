@@ -48,10 +48,6 @@ impl Sight {
         }
         config.perception.models = models;
         let mut calibration = None;
-        if config.executor.enable && station.calibration.is_none() {
-            // Nobody had made one yet on the board.
-            config.bench.calibration = None;
-        }
         if let Some(named) = &mut config.bench.calibration {
             let Some(recorded) = &station.calibration else {
                 return Err(refused("it does not carry the calibration of its bench"));
@@ -286,10 +282,6 @@ mod tests {
         assert_eq!(found.config().perception.models, Path::new("/models/that/are/here"));
         let error = sight(&calibrated, &[]).err().unwrap().to_string();
         assert!(error.contains("run.mcap: it does not carry the calibration"), "{error}");
-        let awaited =
-            calibrated.replace("[bench]", "[board]\nenable = true\n[executor]\nenable = true\n[bench]");
-        assert_eq!(sight(&awaited, &[]).unwrap().config().bench.calibration, None, "it was not made yet");
-        assert!(sight(&awaited, &[("calibration.toml", "x")]).unwrap().config().bench.calibration.is_some());
         assert_eq!(sight(CAMERA, &[]).unwrap().config().bench.calibration, None);
     }
 

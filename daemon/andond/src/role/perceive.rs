@@ -1,8 +1,4 @@
 //! `perceive`: frames to detections. Where an outside tracker sees instead, its track file is played.
-//!
-//! A calibration that is made while the line runs, on the board or in a shell, is taken between two pieces of work.
-
-use std::time::{Duration, Instant};
 
 use andon_host::config::{Config, Source};
 use andon_host::log::{code, log};
@@ -11,28 +7,20 @@ use andon_host::video::frame::view;
 use andon_ipc::{FrameReader, FrameSample, Node, Port, Reader, Writer};
 use andon_perception::Detections as Seen;
 use andon_perception::metric::MetricScene;
-use shm_schemas::{Detections, JudgePhase, Judging, RoleId, flag};
+use shm_schemas::{Detections, Judging, RoleId, flag};
 
 use super::duplicates::DuplicateMarkers;
 use super::sight::SightWatch;
 use super::{RoleError, tracks};
-use crate::mark::{Mark, mark};
 use crate::metric::{PlaceError, Placer};
 use crate::perceiving::Perceiving;
-use crate::perception::{SetupError, is_calibration_awaited};
+use crate::perception::SetupError;
 use crate::wire;
-
-/// How often it is looked whether the calibration was written anew.
-const LOOK: Duration = Duration::from_secs(1);
 
 /// Runs until it is asked to stop.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
     if config.camera.source == Source::Tracks {
         return tracks::run(node, config);
-    }
-    let calibration = calibration(config);
-    if let Some(path) = config.bench.calibration.as_ref().filter(|_| is_calibration_awaited(config)) {
-        log!(code::CALIBRATION_AWAITED, "{}", path.display());
     }
     // Before the ports: a model that is missing is reported at once, and a frame that comes early is not kept waiting.
     let perceiving = Perceiving::new(config)?;
@@ -48,16 +36,8 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         sight: SightWatch::default(),
         duplicates: DuplicateMarkers::new(config),
         missed: 0,
-        calibration,
-        looked: Instant::now(),
-        is_at_work: false,
     };
     Cycle::new(node)?.run(&mut role)
-}
-
-/// What changes with the file of the calibration.
-fn calibration(config: &Config) -> Mark {
-    config.bench.calibration.as_deref().and_then(mark)
 }
 
 struct Perceive<'a> {
@@ -74,11 +54,6 @@ struct Perceive<'a> {
     duplicates: DuplicateMarkers<'a>,
     /// Frames up to the newest one that were not processed, whoever lost or skipped them.
     missed: u64,
-    /// The file of the calibration in force.
-    calibration: Mark,
-    looked: Instant,
-    /// Whether a piece is in work.
-    is_at_work: bool,
 }
 
 impl Role for Perceive<'_> {
@@ -92,9 +67,7 @@ impl Role for Perceive<'_> {
     fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
         while let Some(judging) = self.judging.take()? {
             self.perceiving.watch_for(&judging);
-            self.is_at_work = judging.phase == JudgePhase::Running.code();
         }
-        self.follow_calibration();
         let Some(frame) = cycle.take(&mut self.frames)? else { return Ok(Turn::Idle) };
         let header = frame.header();
         self.follow_source(header.stamp.epoch)?;
@@ -123,31 +96,6 @@ impl Perceive<'_> {
             self.sight = SightWatch::default();
             self.placer = Placer::new(self.config).map_err(SetupError::from)?;
         }
-        Ok(())
-    }
-
-    /// Takes a calibration that was written anew. A piece in work would have been seen in two places, so its end is waited for, unless nothing is seen
-    /// of it anyway.
-    fn follow_calibration(&mut self) {
-        if self.looked.elapsed() < LOOK || (self.is_at_work && self.perceiving.is_seen()) {
-            return;
-        }
-        self.looked = Instant::now();
-        let now = calibration(self.config);
-        if now.is_none() || now == self.calibration {
-            return;
-        }
-        self.calibration = now;
-        match self.begin() {
-            Ok(()) => log!(code::CALIBRATION_TAKEN, "what is seen is placed by it from now on"),
-            Err(error) => log!(code::CALIBRATION_REFUSED, "the one before it stays in force: {error}"),
-        }
-    }
-
-    fn begin(&mut self) -> Result<(), SetupError> {
-        let placer = Placer::new(self.config)?;
-        self.perceiving.begin(self.config)?;
-        (self.placer, self.sight) = (placer, SightWatch::default());
         Ok(())
     }
 

@@ -12,7 +12,6 @@ use shm_schemas::{Detections, Judging, Verdict};
 
 use super::{RoleError, jobs};
 use crate::made_with::hashes;
-use crate::mark::{Mark, mark};
 use crate::picture::with_verdict;
 use crate::report::{Names, verdict_sentence};
 use crate::wire;
@@ -24,8 +23,7 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         return Ok(andon_record::retention::run(node, config)?);
     }
     let objects = config.objects.iter().map(|object| (object.id, object.name.clone()));
-    let marked = config.bench.calibration.as_deref().and_then(mark);
-    let words = Words { config, names: Names::new(objects), calibration: marked };
+    let words = Words { config, names: Names::new(objects) };
     Ok(andon_record::role::run(node, config, attachments(config), words)?)
 }
 
@@ -36,14 +34,10 @@ fn attachments(config: &Config) -> Vec<Attachment> {
         attachment(CONFIGURATION, in_force(config).into_bytes()),
         attachment(HASHES, hashes(config).into_bytes()),
     ];
-    attachments.extend(calibration(config));
+    if let Some(calibration) = config.bench.calibration.as_ref().and_then(|path| std::fs::read(path).ok()) {
+        attachments.push(attachment(CALIBRATION, calibration));
+    }
     attachments
-}
-
-/// The calibration that is there now.
-fn calibration(config: &Config) -> Option<Attachment> {
-    let bytes = std::fs::read(config.bench.calibration.as_ref()?).ok()?;
-    Some(Attachment { name: CALIBRATION.into(), data: bytes.into() })
 }
 
 /// The name of the configuration in a recording.
@@ -64,8 +58,6 @@ struct Words<'a> {
     config: &'a Config,
     /// Those of the job in force, as far as it is known.
     names: Names,
-    /// The file of the calibration that recordings have.
-    calibration: Mark,
 }
 
 impl Narrator for Words<'_> {
@@ -78,12 +70,6 @@ impl Narrator for Words<'_> {
         let job: JobFile = jobs::in_force(self.config, judging).ok().flatten()?;
         self.names = Names::of_job(&job);
         Some(Attachment { name: job_name(job.model_hash()), data: job.to_toml().into_bytes().into() })
-    }
-
-    fn newer(&mut self) -> Option<Attachment> {
-        let now = self.config.bench.calibration.as_deref().and_then(mark);
-        let before = std::mem::replace(&mut self.calibration, now);
-        if now == before { None } else { calibration(self.config) }
     }
 
     fn still(&mut self, picture: Decoded, seen: Option<&Detections>, verdict: &Verdict) -> Option<Vec<u8>> {

@@ -12,7 +12,6 @@ use super::{ToolError, cannot_write, jobs, running_config};
 use crate::backup::{self, Kind};
 use crate::cli::Backup;
 use crate::made::Made;
-use crate::perception::is_calibration_awaited;
 use crate::{role, step_pictures};
 
 /// Runs the command. The journal is copied as it is at one moment, also while the line writes it.
@@ -61,9 +60,7 @@ fn files(config: &Config) -> Result<Vec<(PathBuf, Kind)>, ToolError> {
             .filter(|picture| Some(picture.model_hash) == hash)
             .for_each(|picture| add(&picture.path, Kind::StepPicture));
     }
-    // One that nobody has made on the board yet is not there.
-    let calibration = config.bench.calibration.iter().filter(|_| !is_calibration_awaited(config));
-    calibration.for_each(|calibration| add(calibration, Kind::Calibration));
+    config.bench.calibration.iter().for_each(|calibration| add(calibration, Kind::Calibration));
     Made::new(config).kept().iter().for_each(|file| add(file, Kind::Made));
     let journal = config.journal_path();
     if journal.exists() {

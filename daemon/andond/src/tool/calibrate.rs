@@ -1,7 +1,5 @@
 //! `andond calibrate`: finds the bench in a picture with four known markers.
 
-use std::path::Path;
-
 use andon_host::exit::Code;
 use andon_perception::bench::{BenchMarker, CalibrationError, Examination, examine};
 use andon_perception::{BenchPoint, ImageView, PixelFormat};
@@ -46,14 +44,9 @@ pub fn run(arguments: &Calibrate) -> Result<Code, ToolError> {
         CalibrationError::File { path, source, .. } => cannot_write(&path)(source),
         other => ToolError::SaveCalibration(other),
     })?;
-    let absolute = |path: &Path| std::path::absolute(path).ok();
-    let named = config.bench.calibration.as_deref().and_then(absolute);
-    let next = match named.is_some() && named == absolute(&arguments.out) {
-        true => "A line of the station that runs takes it within seconds, once no piece is in work.",
-        false => "Name the file in bench.calibration of the station.",
-    };
     println!(
-        "{}: each marker lies within {:.1} mm of where the others place it, and its sides fit to {:.1} %\n{residuals}{next}",
+        "{}: each marker lies within {:.1} mm of where the others place it, and its sides fit to {:.1} %\n{residuals}\
+         Name the file in bench.calibration of the station.",
         arguments.out.display(),
         1000.0 * calibration.centre_error_m,
         100.0 * calibration.side_error
@@ -61,7 +54,7 @@ pub fn run(arguments: &Calibrate) -> Result<Code, ToolError> {
     Ok(Code::Stopped)
 }
 
-fn cannot_draw(plot: &Path, error: &opencv::Error) -> ToolError {
+fn cannot_draw(plot: &std::path::Path, error: &opencv::Error) -> ToolError {
     cannot_write(plot)(std::io::Error::other(error.to_string()))
 }
 

@@ -19,7 +19,6 @@ use super::ToolError;
 use crate::cli::Check;
 use crate::made::Made;
 use crate::metric::Placer;
-use crate::perception::is_calibration_awaited;
 use crate::role;
 use crate::video::helper_path;
 use crate::{boards, compatibility, perception};
@@ -199,11 +198,7 @@ impl Checks<'_> {
             return;
         }
         let made = Made::new(config);
-        let [jobs, own @ ..] = {
-            let mut folders = made.folders();
-            folders.rotate_right(1);
-            folders
-        };
+        let [own @ .., jobs] = made.folders();
         for (key, folders) in [("station.jobs", &[jobs][..]), ("executor.path", &own[..])] {
             if let Some(problem) = folders.iter().find_map(|folder| unwritable(folder)) {
                 let remedy = "let the user of the units write there, or name a folder below /var/lib/andon";
@@ -213,17 +208,6 @@ impl Checks<'_> {
         let films = made.films_folder();
         if let Some(problem) = Some(films).filter(|films| !films.is_dir()).and_then(unwritable) {
             self.fault("executor.films", format!("{problem}: make this folder, or name another one"));
-        }
-        if let Some(calibration) = &config.bench.calibration {
-            let shown = calibration.display();
-            if is_calibration_awaited(config) {
-                println!(
-                    "bench.calibration: {shown} is not there yet; until it is made on the engineer's page, markers give the scale"
-                );
-            }
-            if let Some(problem) = unwritable(folder_of(calibration)) {
-                println!("bench.calibration: nobody can calibrate on the engineer's page, as {problem}");
-            }
         }
     }
 

@@ -111,10 +111,7 @@ impl Checks<'_> {
         if let Some(job) = &config.station.job {
             self.exists("station.job", job, false);
         }
-        // Where an engineer may make it on the board, the station runs before it is there.
-        if let Some(calibration) = &config.bench.calibration
-            && (!config.executor.enable || calibration.exists())
-        {
+        if let Some(calibration) = &config.bench.calibration {
             self.exists("bench.calibration", calibration, false);
         }
     }

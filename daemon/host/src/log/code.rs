@@ -87,13 +87,9 @@ table! {
         "Light the hands, take off gloves in the colour of the bench, and let the camera see the whole hand";
     INFO 221 SIGHT_BACK: "the line sees its bench again", "";
     ERROR 222 CAMERA_MOVED: "the camera has been moved",
-        "Put the camera back; or, if bench.calibration is set, calibrate again, on the engineer's page or with `andond calibrate`. Without a calibration the new view counts after ten seconds";
+        "Put the camera back; or, if bench.calibration is set, calibrate again with `andond calibrate` and restart perceive. Without a calibration the new view counts after ten seconds";
     WARN 224 MARKER_TWICE: "a marker's id is in view twice, so its part counts as not seen",
         "Take the other print away, or give it an id of its own; `andond markers --spare` prints ids that no part has";
-
-    INFO 225 CALIBRATION_TAKEN: "a new calibration is in force", "";
-    WARN 226 CALIBRATION_AWAITED: "the file of bench.calibration is not there yet: until it is, the sizes of the markers give the scale",
-        "Calibrate on the engineer's page of the board, or write the file with `andond calibrate`; it is taken while the line runs";
 
     INFO 301 JOB_LOADED: "a job is loaded and watched", "";
     ERROR 302 JOB_REFUSED: "a job file cannot be read, or the job does not fit this station",

@@ -29,9 +29,7 @@ impl Bench {
             &mut self.calibration,
             (),
             r#""bench1.calibration.toml""#,
-            "The file that `andond calibrate` wrote. Without it the sizes of the objects' markers give the scale. With executor.enable \
-             it is the one that an engineer makes on the board, and may be missing until then: the units write it only below \
-             /var/lib/andon.",
+            "The file that `andond calibrate` wrote. Without it the sizes of the objects' markers give the scale.",
         );
     }
 }
