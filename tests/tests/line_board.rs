@@ -152,7 +152,10 @@ fn events_are_listed_newest_first_and_a_deep_link_a_reload_and_the_back_button_k
         document.querySelector('[value=b]').checked = true;
         show(`<section id=events>${box('a')}${box('b')}</section>`);
         [...document.querySelectorAll('[name=film]:checked')].map((box) => box.value).join()";
-    assert_eq!(browser.value(&tab, &format!("(() => {{ {} }})()", ticked.replace("[...", "return [..."))), json!("b"));
+    assert_eq!(
+        browser.value(&tab, &format!("(() => {{ {} }})()", ticked.replace("[...", "return [..."))),
+        json!("b")
+    );
 
     // The fault is chosen in the form, and the address has it.
     let choose = "

@@ -110,6 +110,26 @@ fn commands_in_the_middle_of_a_job_come_at_the_same_place_again() {
 }
 
 #[test]
+fn a_recording_that_begins_before_a_job_is_loaded_is_judged_again_with_the_same_verdicts() {
+    let mut line = Line::with_second_job(Settings { writes: true, ..Settings::live() });
+    line.reconfigure("job = \"job.toml\"\n", "");
+    line.record("always");
+    // Without a job the line never becomes ready, and works all the same.
+    let mut watcher = line.launch();
+    line.wait_for_log("judge", "AND-311", "");
+    watcher.until("couples", |watcher| watcher.health(RoleId::Encode).is_some_and(|health| health.sent > 30));
+    line.start("record");
+    line.wait_for_log("record", "AND-601", "");
+    let mut plc = Modbus::connect_when_up(line.port);
+    plc.enable();
+    assert_eq!(plc.load_job(2), None);
+    watcher.until("verdicts", |watcher| watcher.verdicts.len() >= 3);
+    stop(&mut line);
+    let (equal, sent, text) = equal(&line, &only_recording(&line));
+    assert!(equal == sent && sent >= 3, "{text}");
+}
+
+#[test]
 fn after_kills_of_roles_it_is_still_judged_again_with_the_same_verdicts() {
     let mut line = Line::new(Settings::live());
     line.record("always");

@@ -295,6 +295,7 @@ impl<'p> Line<'p> {
             })
             .collect();
         let knows_all = self.recorded.plan.is_from_start && self.recorded.plan.lost == 0;
+        let mut unvisited: VecDeque<MessageId> = sent.iter().map(|sent| sent.id).collect();
         for (index, (computed, couples)) in of_run.into_iter().enumerate() {
             let same = sent.iter().find(|sent| sent.digest == computed);
             // Where the start of the encoder is not known, the couples differ, and stand for those that were sent.
@@ -306,8 +307,20 @@ impl<'p> Line<'p> {
                 continue;
             }
             let id = id.unwrap_or_default();
+            if let Some(place) = unvisited.iter().position(|other| *other == id) {
+                self.pass_over(unvisited.drain(..=place).take(place));
+            }
             self.deeds(&self.recorded.plan.before, id);
             self.inputs.push_back(Input::Couples(Box::new(couples), run.model_hash));
+            self.deeds(&self.recorded.plan.after, id);
+        }
+        self.pass_over(unvisited.into_iter());
+    }
+
+    /// Couples that do not come out again, because the encoder had begun before the recording: what the judge did at them it did all the same.
+    fn pass_over(&mut self, ids: impl Iterator<Item = MessageId>) {
+        for id in ids {
+            self.deeds(&self.recorded.plan.before, id);
             self.deeds(&self.recorded.plan.after, id);
         }
     }

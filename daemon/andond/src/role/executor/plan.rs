@@ -466,17 +466,17 @@ mod tests {
         let made = Made::new(&config);
         let job = made.job("polish");
         let first = jobs::read(&job).unwrap();
-        changed(&config, TaskKind::TeachAgain, "", 0);
+        changed(&config, TaskKind::TeachAgain, "", 0).keep();
         let mut second = first.clone();
         second.name = "another".into();
         fs::write(&job, second.to_toml()).unwrap();
-        changed(&config, TaskKind::RollBack, &hash_of(&first), 0);
+        changed(&config, TaskKind::RollBack, &hash_of(&first), 0).keep();
         assert_eq!(jobs::read(&job).unwrap().name, first.name);
         assert_eq!(made.versions("polish").len(), 2);
         // It was not loaded.
         changed(&config, TaskKind::RollBack, &hash_of(&second), 0).put_back(false);
         assert_eq!(jobs::read(&job).unwrap().name, first.name);
-        changed(&config, TaskKind::RollBack, &hash_of(&second), 0);
+        changed(&config, TaskKind::RollBack, &hash_of(&second), 0).keep();
         assert_eq!(jobs::read(&job).unwrap().name, "another");
     }
 
@@ -502,10 +502,10 @@ mod tests {
             planned(&config, kind, name, text, flags).unwrap();
             assert_eq!(all(folder.path()), before, "{kind:?}");
         }
-        changed(&config, TaskKind::TeachFilms, "one.mp4", task_flag::FORCE);
+        changed(&config, TaskKind::TeachFilms, "one.mp4", task_flag::FORCE).keep();
         assert!(made.report("polish").exists());
         fs::remove_file(made.job("polish")).unwrap();
-        changed(&config, TaskKind::TeachFilms, "one.mp4", 0);
+        changed(&config, TaskKind::TeachFilms, "one.mp4", 0).keep();
         assert!(!made.report("polish").exists());
     }
 
@@ -516,10 +516,10 @@ mod tests {
         let made = Made::new(&config);
         let job = made.job("polish");
         let first = jobs::read(&job).unwrap();
-        changed(&config, TaskKind::TeachAgain, "", 0);
+        changed(&config, TaskKind::TeachAgain, "", 0).keep();
         fs::write(&job, "no job").unwrap();
-        changed(&config, TaskKind::TeachFilms, "one.mp4", task_flag::FORCE);
-        changed(&config, TaskKind::RollBack, &hash_of(&first), 0);
+        changed(&config, TaskKind::TeachFilms, "one.mp4", task_flag::FORCE).keep();
+        changed(&config, TaskKind::RollBack, &hash_of(&first), 0).keep();
         assert_eq!(jobs::read(&job).unwrap().model_hash(), first.model_hash());
         assert_eq!(fs::read_to_string(made.faulty("polish")).unwrap(), "no job");
         assert_eq!(made.versions("polish").len(), 1, "it is no version");
