@@ -63,8 +63,8 @@ pub(super) fn of(kind: TaskKind, task: &Task, config: &Config) -> Result<Plan, S
                 return Err(format!("a job is shown 1 to {MOST_RUNS} times"));
             }
             if desk.has(task_flag::ADD) {
-                return Err("what is shown at the bench is taught as a job of its own, and only recordings are added to one: leave that \
-                            out, or call pieces right on the technician's page and teach the job again with them"
+                return Err("only recordings are added to a job: take that tick away, or call pieces right on the technician's page and \
+                            teach the job again with them"
                     .into());
             }
             let mut teach = desk.teach_anew()?;
@@ -202,7 +202,7 @@ impl Desk<'_> {
         if films.is_empty() { Err("no recording was chosen".into()) } else { Ok(films) }
     }
 
-    /// Keeps the version of a job that there is, if there is one. A file with a fault is kept as well, so that nothing is lost.
+    /// Keeps the version of a job that there is, if there is one. A file with a fault is kept as well, in place of an earlier one.
     fn keep_version(&mut self, job: &Path) {
         if job.exists() {
             let copy = match jobs::read(job) {
