@@ -198,6 +198,7 @@ fn an_engineer_without_a_shell_teaches_a_job_names_its_steps_loads_it_and_it_jud
     look(&mut browser, &tab, "engineer-taught");
 
     browser.go(&tab, &format!("{board}/engineer/job?at=polish"));
+    browser.until(&tab, "document.getElementById('s2') !== null");
     browser.value(
         &tab,
         "document.getElementById('s1').value = 'Polish the brick'; document.getElementById('s2').value = 'Measure <it>'; true",

@@ -13,13 +13,21 @@ use crate::html::Html;
 use crate::told::number;
 use crate::words::Table;
 
+const NOTHING_MEASURED: &str = "<section id=\"measured\"></section>";
+
 /// What changes.
 pub(super) fn draw(html: &mut Html, board: &Board, words: &Table, address: &Address) {
     task(html, board, words);
     versions(html, board, words, address);
-    if let Some(job) = readable(board, address) {
-        names(html, words, job);
-        measured(html, words, job);
+    match readable(board, address) {
+        Some(job) => {
+            names(html, words, job);
+            measured(html, words, job);
+        }
+        // A page that is the first to be asked for has them once the files were read.
+        None => {
+            html.raw("<section id=\"names\"></section>").raw(NOTHING_MEASURED);
+        }
     }
 }
 
@@ -44,7 +52,7 @@ pub(super) fn draw_whole(
     draw(html, board, words, address);
     form(html, "id=\"naming\" class=\"none\"", address, visitor);
     html.raw("</form>");
-    if readable(board, address).is_some() {
+    if board.desk.job(&address.at).is_none_or(|job| job.fault.is_empty()) {
         again(html, words, address, visitor);
     }
     html.raw("</main>");
@@ -68,6 +76,7 @@ fn names(html: &mut Html, words: &Table, job: &KnownJob) {
 /// What its runs measured, step by step, beside what is right.
 fn measured(html: &mut Html, words: &Table, job: &KnownJob) {
     if job.measured.is_empty() {
+        html.raw(NOTHING_MEASURED);
         return;
     }
     html.element("<section id=\"measured\"><h2>", words.say("engineer.measured"), "</h2><p>");
