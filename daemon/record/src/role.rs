@@ -203,11 +203,15 @@ fn offset_ns() -> i128 {
     i128::from(UtcTime::now().nanoseconds()) - i128::from(MonotonicTime::now().nanoseconds())
 }
 
-/// Takes everything that has come on a channel.
+/// Takes everything that has come on a channel, and does this with each message besides.
 macro_rules! drain {
     ($self:ident, $tap:ident) => {
-        while let Some(message) = $self.$tap.reader.take().map_err(CycleError::from)? {
-            $self.keep(&*message, false);
+        drain!($self, $tap, message => ())
+    };
+    ($self:ident, $tap:ident, $message:ident => $besides:expr) => {
+        while let Some($message) = $self.$tap.reader.take().map_err(CycleError::from)? {
+            $self.keep(&*$message, false);
+            $besides;
         }
         if let Some(losses) = $self.$tap.news() {
             $self.say_losses(&losses);
@@ -254,13 +258,7 @@ impl<N: Narrator> Role for Recording<N> {
         if let Some(losses) = self.detections.news() {
             self.say_losses(&losses);
         }
-        while let Some(couples) = self.couples.reader.take().map_err(CycleError::from)? {
-            self.keep(&*couples, false);
-            self.coupled = MonotonicTime::sent(&couples.stamp);
-        }
-        if let Some(losses) = self.couples.news() {
-            self.say_losses(&losses);
-        }
+        drain!(self, couples, message => self.coupled = MonotonicTime::sent(&message.stamp));
         if self.is_waiting_over() {
             self.take_waiting();
         }
