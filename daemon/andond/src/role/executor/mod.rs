@@ -122,8 +122,8 @@ impl Role for Executor<'_> {
     fn stop(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         let Some(mut running) = self.running.take() else { return Ok(()) };
         running.child.end();
-        let is_good = running.child.ended().and_then(|status| status.code());
-        running.before.put_back(is_good.is_some_and(|code| running.step.good.contains(&code)));
+        let is_done = running.child.ended().is_some_and(|status| running.step.is_done(status));
+        running.before.put_back(is_done);
         self.end(cycle, &running.task, PrintedState::Stopped, "the role executor was stopped")
     }
 }
@@ -177,11 +177,11 @@ impl Executor<'_> {
             self.running = Some(running);
             return Ok(());
         };
-        let is_good = status.code().is_some_and(|code| running.step.good.contains(&code));
+        let is_done = running.step.is_done(status);
         let (state, why) = match running.rest.pop_front() {
             _ if running.is_stopped => (PrintedState::Stopped, String::new()),
-            None if is_good => (PrintedState::Done, String::new()),
-            Some(next) if is_good => match start(&next, self.config) {
+            None if is_done => (PrintedState::Done, String::new()),
+            Some(next) if is_done => match start(&next, self.config) {
                 Ok(child) => {
                     self.running = Some(Running { child, step: next, showing: None, ..running });
                     return Ok(());
@@ -192,7 +192,7 @@ impl Executor<'_> {
         };
         match state {
             PrintedState::Done => running.before.keep(),
-            _ => running.before.put_back(is_good),
+            _ => running.before.put_back(is_done),
         }
         self.end(cycle, &running.task, state, &why)
     }

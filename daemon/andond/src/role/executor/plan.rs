@@ -7,6 +7,7 @@ use std::collections::VecDeque;
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::ExitStatus;
 
 use andon_host::atomic::folder_of;
 use andon_host::config::Config;
@@ -37,6 +38,13 @@ pub(super) struct Step {
     pub(super) arguments: Vec<OsString>,
     /// The exit codes with which it has done what was asked for.
     pub(super) good: &'static [i32],
+}
+
+impl Step {
+    /// Whether a command that has ended so has done what was asked for.
+    pub(super) fn is_done(&self, status: ExitStatus) -> bool {
+        status.code().is_some_and(|code| self.good.contains(&code))
+    }
 }
 
 /// What a task is.
@@ -297,6 +305,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::super::change::{Before, and_begin};
     use super::*;
+    use tempfile::TempDir;
 
     const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/jobs/polish-and-measure.toml");
 
@@ -337,6 +346,16 @@ mod tests {
         assert!(task.say("maria", "polish", text));
         let plan = of(kind, &task, config).unwrap();
         and_begin(plan.changes, || Ok(())).unwrap().1
+    }
+
+    /// A station whose job has an earlier version that is the same: it was about to be taught again.
+    fn taught_again() -> (TempDir, Config, Made, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let config = station(folder.path());
+        changed(&config, TaskKind::TeachAgain, "", 0).keep();
+        let made = Made::new(&config);
+        let job = made.job("polish");
+        (folder, config, made, job)
     }
 
     /// All files of a station with their bytes.
@@ -461,12 +480,8 @@ mod tests {
 
     #[test]
     fn teaching_keeps_the_version_before_it_and_rolling_back_puts_it_in_its_place_and_keeps_the_other() {
-        let folder = tempfile::tempdir().unwrap();
-        let config = station(folder.path());
-        let made = Made::new(&config);
-        let job = made.job("polish");
+        let (_folder, config, made, job) = taught_again();
         let first = jobs::read(&job).unwrap();
-        changed(&config, TaskKind::TeachAgain, "", 0).keep();
         let mut second = first.clone();
         second.name = "another".into();
         fs::write(&job, second.to_toml()).unwrap();
@@ -511,12 +526,8 @@ mod tests {
 
     #[test]
     fn a_job_file_with_a_fault_is_replaced_and_rolled_back_and_its_bytes_are_kept() {
-        let folder = tempfile::tempdir().unwrap();
-        let config = station(folder.path());
-        let made = Made::new(&config);
-        let job = made.job("polish");
+        let (_folder, config, made, job) = taught_again();
         let first = jobs::read(&job).unwrap();
-        changed(&config, TaskKind::TeachAgain, "", 0).keep();
         fs::write(&job, "no job").unwrap();
         changed(&config, TaskKind::TeachFilms, "one.mp4", task_flag::FORCE).keep();
         changed(&config, TaskKind::RollBack, &hash_of(&first), 0).keep();
