@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use andon_host::atomic::{self, folder_of};
 use andon_learn::file;
 use andon_learn::job_file::JobFile;
+use andon_record::store;
 
 use crate::made::is_hash;
 
@@ -70,10 +71,7 @@ impl StepPicture {
     /// # Errors
     /// The picture, and why it cannot be removed.
     pub(crate) fn remove(&self) -> Result<(), (PathBuf, io::Error)> {
-        match fs::remove_file(&self.path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => Err((self.path.clone(), error)),
-            _ => Ok(()),
-        }
+        store::remove_file(&self.path).map_err(|error| (self.path.clone(), error))
     }
 }
 

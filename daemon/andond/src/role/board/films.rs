@@ -6,14 +6,14 @@
 //!
 //! Which file it is, the folder of the recordings says: nothing that a browser sends becomes a path.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, TrySendError, channel, sync_channel};
 use std::thread::Builder;
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 use andon_board::{Ask, Board, Film, NoFilm, Picture, Thing, Wanted};
 use andon_host::config::Config;
@@ -28,6 +28,7 @@ use andon_record::store;
 use shm_schemas::{Couples, Detections, MessageId, Verdict, from_bytes};
 
 use super::seen::Seen;
+use crate::mark::{Mark, mark};
 
 /// Browsers that wait for the thread. Those that come when there are more are told so.
 const WAITING: usize = 32;
@@ -134,8 +135,8 @@ struct Shelf {
 struct Reel {
     event: MessageId,
     path: PathBuf,
-    /// The size and the time of the file: one that has changed is read anew.
-    state: (u64, Option<SystemTime>),
+    /// Of the file: one that has changed is read anew.
+    mark: Mark,
     film: Film,
     pictures: Vec<(Place, Vec<Thing>)>,
 }
@@ -263,17 +264,16 @@ fn send(mut file: File, feed: Feed) {
     feed.end_within(PATIENCE);
 }
 
-fn state_of(path: &Path) -> Option<(u64, Option<SystemTime>)> {
-    fs::metadata(path).ok().map(|file| (file.len(), file.modified().ok()))
-}
-
 impl Reel {
     /// Finds the film of a verdict in the recordings of a folder.
     fn find(folder: &Path, nothing: Seen, event: MessageId, decided_utc_ns: u64) -> Result<Self, NoFilm> {
         let recordings = store::indexed(folder).unwrap_or_default();
         let path = store::by_verdict(&recordings).get(&event).map(|recording| recording.path.clone());
         let path = path.ok_or(NoFilm::NoClip)?;
-        let state = state_of(&path).ok_or(NoFilm::NoClip)?;
+        let mark = mark(&path);
+        if mark.is_none() {
+            return Err(NoFilm::NoClip);
+        }
         let times = decided_utc_ns.saturating_sub(BEFORE_NS)..=decided_utc_ns.saturating_add(AFTER_NS);
         let mut found = places(&path, &TOPICS, &times, MESSAGES).map_err(|_| NoFilm::Unreadable)?;
         let file = File::open(&path).map_err(|_| NoFilm::NoClip)?;
@@ -292,11 +292,11 @@ impl Reel {
             times_ms: pictures.iter().map(since_ms).collect(),
             has_still: still_of(&path, event).exists(),
         };
-        Ok(Self { event, path, state, film, pictures })
+        Ok(Self { event, path, mark, film, pictures })
     }
 
     fn is_current(&self) -> bool {
-        state_of(&self.path) == Some(self.state)
+        mark(&self.path) == self.mark
     }
 
     /// The picture with this number and what was seen in it.

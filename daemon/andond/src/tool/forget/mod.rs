@@ -40,13 +40,9 @@ pub fn run(arguments: &Forget) -> Result<Code, ToolError> {
         audit::keep(&config, AuditKind::Recording, &said)?;
     }
     let written = remove_all(&config, &found)?;
-    for picture in &pictures {
-        picture.remove().map_err(|(path, source)| ToolError::Remove { path, source })?;
-        println!("removed: {}", picture.path.display());
-    }
-    for look in &looks {
-        store::remove_file(look).map_err(|source| ToolError::Remove { path: look.clone(), source })?;
-        println!("removed: {}", look.display());
+    for path in pictures.iter().map(|picture| &picture.path).chain(&looks) {
+        store::remove_file(path).map_err(|source| ToolError::Remove { path: path.clone(), source })?;
+        println!("removed: {}", path.display());
     }
     for path in &written {
         println!(
