@@ -145,9 +145,12 @@ function meaning(node) {
     if (!(node instanceof Element)) {
         return node.nodeName;
     }
+    if (node.id) {
+        return `${node.nodeName} ${node.id}`;
+    }
     const first = node.matches(USED) ? node : node.querySelector(USED);
     const said = ["name", "value", "href"].map((name) => first?.getAttribute(name) ?? "");
-    return [node.nodeName, ...(node.id ? [node.id] : said)].join(" ");
+    return [node.nodeName, ...said].join(" ");
 }
 
 /**
