@@ -75,6 +75,8 @@ impl Browser {
             .args(OPTIONS)
             .args(options)
             .arg(format!("--user-data-dir={}", profile.path().display()))
+            // One that is killed leaves what it has made there.
+            .env("TMPDIR", profile.path())
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()

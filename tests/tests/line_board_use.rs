@@ -90,6 +90,31 @@ fn a_line_without_a_board_pays_for_none_also_where_its_role_runs() {
     Modbus::connect_when_up(line.port).wait_for(status::READY);
 }
 
+#[test]
+fn a_board_that_stood_still_while_a_picture_was_wanted_shows_the_next_one() {
+    let mut line = Line::with_film("speed = \"file\"", "", &["-i", "p1_J1_r1.mp4"]);
+    let port = free_port();
+    line.reconfigure("[plc]\n", &format!("[board]\nenable = true\nport = {port}\n\n[plc]\n"));
+    // Without `perceive` nobody says what is in a picture, and each waits for that.
+    for role in ["steward", "capture", "board"] {
+        line.start(role);
+    }
+    line.wait_for_log("board", "AND-620", "");
+    let mut browser = Browser::start();
+    let tab = browser.open(&format!("http://localhost:{port}/technician"), FULL_HD);
+    browser.until(&tab, "document.getElementById('picture').naturalWidth > 0");
+    for _ in 0..20 {
+        // Meanwhile more frames come than a reader may hold.
+        for (signal, ms) in [(Signal::STOP, 150), (Signal::CONT, 50)] {
+            line.role("board").signal(signal);
+            std::thread::sleep(Duration::from_millis(ms));
+        }
+    }
+    browser.value(&tab, "window.first = document.getElementById('picture').src");
+    browser.until(&tab, "document.getElementById('picture').src !== window.first");
+    assert_eq!(line.role("board").ended(), None, "{}", line.log("board"));
+}
+
 /// A network between browsers and a board.
 struct Network {
     port: u16,

@@ -203,7 +203,7 @@ impl FrameReader {
     /// frame has come, its reader cannot know that it waits.
     ///
     /// # Errors
-    /// As [`FrameReader::take`].
+    /// As [`FrameReader::take`]. It holds two samples for a moment, so that nobody who keeps another one may call it.
     pub fn take_newest(&mut self) -> Result<Option<FrameSample>, Error> {
         let mut newest = None;
         while let Some(sample) = self.take()? {

@@ -275,6 +275,19 @@ impl Line {
         failures
     }
 
+    /// Tells what each role logged last, and whether it still ran: for whoever reads why a test has failed on another machine.
+    fn tell(&mut self) {
+        const LAST: usize = 12;
+        for running in &mut self.roles {
+            let log = fs::read_to_string(self.folder.path().join(format!("{}.log", running.role)));
+            let log = log.unwrap_or_default();
+            let rows: Vec<&str> = log.lines().collect();
+            let last = rows[rows.len().saturating_sub(LAST)..].join("\n");
+            let ended = running.ended();
+            eprintln!("{}, ended: {ended:?}\n{last}", running.role);
+        }
+    }
+
     fn stop_these(&mut self, names: &[&str]) -> Vec<String> {
         let mut failures = Vec::new();
         for &name in names {
@@ -304,6 +317,9 @@ impl Line {
 
 impl Drop for Line {
     fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.tell();
+        }
         self.roles.clear();
         for name in self.shared_files() {
             let _ = fs::remove_file(format!("/dev/shm/{name}"));

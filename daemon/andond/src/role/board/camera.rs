@@ -102,9 +102,14 @@ impl Watch {
         while let Some(couples) = self.couples.take()? {
             self.seen.hold(&couples);
         }
+        if self.frame.is_some() {
+            // A reader may hold two: beside the one that waits these go one after the other.
+            while self.frames.take()?.is_some() {}
+            return Ok(());
+        }
         let newest = self.frames.take_newest()?;
         let is_due = self.shown.is_none_or(|shown| shown.elapsed() >= BETWEEN);
-        if is_wanted && is_due && self.frame.is_none() {
+        if is_wanted && is_due {
             self.frame = newest.map(|frame| (frame, Instant::now()));
         }
         Ok(())
