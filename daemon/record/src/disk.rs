@@ -1,4 +1,7 @@
 //! Writes recordings in a thread of its own: a slow or full disk costs recordings, and never holds up the role that receives.
+//!
+//! The thread is woken when the role says so, and then it gets all that came since. On a machine with few processors it takes the time of what judges,
+//! and half a dozen messages come with each frame.
 
 use std::collections::HashSet;
 use std::fs::{File, OpenOptions};
@@ -23,6 +26,9 @@ use crate::writer::{Attachment, Entry, RecordingWriter, shifted};
 
 /// How often what was received is brought to the disk: a kill costs no more than this.
 const FLUSH: Duration = Duration::from_secs(1);
+
+/// What was received is given to the thread after this time at the latest: a kill costs so much more.
+const LONGEST_HELD: Duration = Duration::from_millis(100);
 
 /// How often what has become too old is looked for, whether anything is recorded or not.
 const TRIM: Duration = Duration::from_secs(3600);
@@ -77,7 +83,11 @@ pub enum Told {
 
 /// The near end of the thread.
 pub struct Disk {
-    orders: Option<Sender<Order>>,
+    orders: Option<Sender<Vec<Order>>>,
+    /// What the thread was not given yet.
+    held: Vec<Order>,
+    /// When the first of it came.
+    held_since: Instant,
     told: Receiver<Told>,
     state: Arc<State>,
     thread: Option<JoinHandle<()>>,
@@ -110,31 +120,32 @@ impl Disk {
         let work =
             move || Work { folder, budget, tell, state: far, open: None, trimmed, ended, said }.run(&taken);
         let thread = std::thread::Builder::new().name("recordings".into()).spawn(work)?;
-        Ok(Self { orders: Some(orders), told, state, thread: Some(thread), limit })
+        let (held, held_since) = (Vec::new(), Instant::now());
+        Ok(Self { orders: Some(orders), held, held_since, told, state, thread: Some(thread), limit })
     }
 
     /// Begins a recording, in place of the one that is open. `offset_ns` is what UTC is ahead of the clock of its messages.
-    pub fn begin(&self, utc_ns: u64, offset_ns: i128) {
+    pub fn begin(&mut self, utc_ns: u64, offset_ns: i128) {
         self.order(Order::Begin { utc_ns, offset_ns });
     }
 
     /// Adds a file.
-    pub fn attach(&self, attachment: Attachment) {
+    pub fn attach(&mut self, attachment: Attachment) {
         self.order(Order::Attach(attachment));
     }
 
     /// Adds a message. False where too much waits already: it is lost.
-    pub fn write(&self, entry: Entry) -> bool {
+    pub fn write(&mut self, entry: Entry) -> bool {
         self.order_if_room(Order::Write(entry))
     }
 
     /// Puts the picture of a verdict beside the recording. False where too much waits already: it is lost.
-    pub fn still(&self, verdict: MessageId, jpeg: Vec<u8>) -> bool {
+    pub fn still(&mut self, verdict: MessageId, jpeg: Vec<u8>) -> bool {
         self.order_if_room(Order::Still(verdict, jpeg))
     }
 
     /// Finds out whether something can be written now; [`Disk::is_failing`] tells.
-    pub fn probe(&self) {
+    pub fn probe(&mut self) {
         self.state.is_probing.store(true, Ordering::Relaxed);
         self.order(Order::Probe);
     }
@@ -146,8 +157,20 @@ impl Disk {
     }
 
     /// Completes the recording.
-    pub fn end(&self) {
+    pub fn end(&mut self) {
         self.order(Order::End);
+    }
+
+    /// Gives the thread what came since. While something is being judged that waits, but not for longer than [`LONGEST_HELD`].
+    pub fn release(&mut self, is_judging: bool) {
+        if self.held.is_empty() || is_judging && self.held_since.elapsed() < LONGEST_HELD {
+            return;
+        }
+        let held = std::mem::take(&mut self.held);
+        if let Some(orders) = &self.orders {
+            // A thread that has panicked has ended the process.
+            let _ = orders.send(held);
+        }
     }
 
     /// Whether what comes cannot be written.
@@ -163,6 +186,7 @@ impl Disk {
 
     /// Completes what is open, and waits for it.
     pub fn finish(&mut self) {
+        self.release(false);
         self.orders = None;
         if let Some(thread) = self.thread.take() {
             // A thread that has panicked has ended the process.
@@ -170,13 +194,20 @@ impl Disk {
         }
     }
 
-    fn order_if_room(&self, order: Order) -> bool {
-        self.state.waiting.load(Ordering::Relaxed) + order.bytes() <= self.limit && self.order(order)
+    fn order_if_room(&mut self, order: Order) -> bool {
+        let has_room = self.state.waiting.load(Ordering::Relaxed) + order.bytes() <= self.limit;
+        if has_room {
+            self.order(order);
+        }
+        has_room
     }
 
-    fn order(&self, order: Order) -> bool {
+    fn order(&mut self, order: Order) {
         self.state.waiting.fetch_add(order.bytes(), Ordering::Relaxed);
-        self.orders.as_ref().is_some_and(|orders| orders.send(order).is_ok())
+        if self.held.is_empty() {
+            self.held_since = Instant::now();
+        }
+        self.held.push(order);
     }
 }
 
@@ -213,14 +244,14 @@ struct Work {
 }
 
 impl Work {
-    fn run(mut self, orders: &Receiver<Order>) {
+    fn run(mut self, orders: &Receiver<Vec<Order>>) {
         self.trim();
         self.repair_all();
         let probed = self.probe();
         self.settle(probed);
         loop {
             match orders.recv_timeout(FLUSH) {
-                Ok(order) => self.obey(order),
+                Ok(orders) => orders.into_iter().for_each(|order| self.obey(order)),
                 Err(RecvTimeoutError::Timeout) => (),
                 Err(RecvTimeoutError::Disconnected) => break,
             }
@@ -446,142 +477,4 @@ impl Open {
 }
 
 #[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-    use crate::reader::RecordingReader;
-    use std::os::unix::fs::PermissionsExt as _;
-
-    const PATIENCE: Duration = Duration::from_secs(30);
-
-    fn budget() -> Budget {
-        Budget { bytes: u64::MAX, age: Duration::MAX, journal: None }
-    }
-
-    fn entry(bytes: usize) -> Entry {
-        Entry { topic: Topic::Picture, time_ns: 1, sent_ns: 1, data: vec![7; bytes].into() }
-    }
-
-    /// Waits for the thread.
-    fn until(holds: impl Fn() -> bool) {
-        let until = Instant::now() + PATIENCE;
-        while !holds() {
-            assert!(Instant::now() < until, "waited in vain");
-            std::thread::sleep(Duration::from_millis(5));
-        }
-    }
-
-    #[test]
-    fn no_more_waits_for_a_disk_that_does_nothing_than_it_may() {
-        let (orders, taken) = channel();
-        let (_tell, told) = channel();
-        let limit = 10 * (HEAD + 1000);
-        let disk =
-            Disk { orders: Some(orders), told, state: Arc::new(State::default()), thread: None, limit };
-        let accepted = (0..100).filter(|_| disk.write(entry(1000))).count();
-        assert_eq!(accepted, 10);
-        assert!(!disk.still(MessageId::default(), vec![0; 1000]), "stills count as well");
-        assert_eq!(taken.try_iter().count(), accepted);
-    }
-
-    #[test]
-    fn a_folder_that_cannot_be_written_is_said_and_tried_again() {
-        let home = tempfile::tempdir().unwrap();
-        let folder = home.path().join("recordings");
-        std::fs::write(&folder, "a file where the folder should be").unwrap();
-        let mut disk = Disk::start(folder.clone(), budget(), 1 << 20).unwrap();
-        until(|| disk.is_failing());
-        let told: Vec<Told> = disk.told().collect();
-        assert!(told.iter().any(|told| matches!(told, Told::Unwritten(_))), "{told:?}");
-        std::fs::remove_file(&folder).unwrap();
-        disk.probe();
-        until(|| !disk.is_failing());
-        disk.begin(1, 0);
-        assert!(disk.write(entry(1000)));
-        disk.finish();
-        let [recording] = store::files(&folder).unwrap().try_into().unwrap();
-        assert!(RecordingReader::open(&recording).is_ok());
-    }
-
-    #[test]
-    fn pictures_of_people_are_readable_by_their_owner_alone() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut disk = Disk::start(folder.path().into(), budget(), 1 << 20).unwrap();
-        disk.begin(1, 0);
-        assert!(disk.write(entry(1000)) && disk.still(MessageId { epoch: 7, seq: 1 }, vec![0; 1000]));
-        disk.finish();
-        let [recording] = store::files(folder.path()).unwrap().try_into().unwrap();
-        let still = still_of(&recording, MessageId { epoch: 7, seq: 1 });
-        for path in [recording, still] {
-            assert_eq!(path.metadata().unwrap().permissions().mode() & 0o777, 0o600, "{}", path.display());
-        }
-    }
-
-    #[test]
-    fn what_was_recorded_before_the_clock_was_set_is_as_old_as_it_is() {
-        let folder = tempfile::tempdir().unwrap();
-        let budget = Budget { age: Duration::from_secs(86_400), ..budget() };
-        let mut disk = Disk::start(folder.path().into(), budget.clone(), 1 << 20).unwrap();
-        for _ in 0..2 {
-            // In 1970, as by a machine that has lost its time.
-            disk.begin(1, 0);
-            assert!(disk.write(entry(1000)));
-            disk.end();
-        }
-        disk.finish();
-        assert_eq!(store::files(folder.path()).unwrap().len(), 2);
-        // Who did not see it end knows only what it shows.
-        Disk::start(folder.path().into(), budget, 0).unwrap().finish();
-        assert!(store::files(folder.path()).unwrap().is_empty());
-    }
-
-    /// A recording whose recorder was killed.
-    fn cut(folder: &Path) -> PathBuf {
-        let path = store::new_file(folder, 1).unwrap();
-        let mut writer = RecordingWriter::new(File::create(&path).unwrap(), 0).unwrap();
-        writer.write(&entry(1000)).unwrap();
-        writer.flush().unwrap();
-        drop(writer);
-        let file = File::options().write(true).open(&path).unwrap();
-        file.set_len(file.metadata().unwrap().len() - 4).unwrap();
-        path
-    }
-
-    #[test]
-    fn what_was_cut_is_completed_where_the_disk_has_room_for_it_and_else_that_is_said() {
-        for has_room in [true, false] {
-            let folder = tempfile::tempdir().unwrap();
-            let path = cut(folder.path());
-            if !has_room {
-                // As large as no disk: nearly all of it is a hole.
-                File::options().write(true).open(&path).unwrap().set_len(8 << 40).unwrap();
-            }
-            let mut disk = Disk::start(folder.path().into(), budget(), 0).unwrap();
-            disk.finish();
-            let told: Vec<Told> = disk.told().collect();
-            let is_repaired = told.iter().any(|told| matches!(told, Told::Repaired(_)));
-            let is_said =
-                told.iter().any(|told| matches!(told, Told::Unrepaired(why) if why.contains("no room")));
-            assert_eq!((is_repaired, is_said), (has_room, !has_room), "{told:?}");
-            assert!(path.exists());
-        }
-    }
-
-    #[test]
-    fn what_cannot_be_repaired_is_said_once_however_often_the_disk_comes_back() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = cut(folder.path());
-        std::fs::write(&path, "a file that is no recording any more").unwrap();
-        let mut disk = Disk::start(folder.path().into(), budget(), 1 << 20).unwrap();
-        for _ in 0..3 {
-            disk.state.is_failing.store(true, Ordering::Relaxed);
-            disk.probe();
-            until(|| !disk.is_probing());
-        }
-        assert!(!disk.is_failing());
-        disk.finish();
-        let told: Vec<Told> = disk.told().collect();
-        let said = told.iter().filter(|told| matches!(told, Told::Unrepaired(_))).count();
-        assert_eq!(said, 1, "{told:?}");
-    }
-}
+mod tests;

@@ -273,7 +273,10 @@ impl<N: Narrator> Role for Recording<N> {
         // First, because what ends now must say what is missing in it.
         self.say_slowness();
         self.recorder.look(MonotonicTime::now().nanoseconds());
-        Ok(if self.is_failing(cycle) { Turn::Idle } else { turn })
+        let is_failing = self.is_failing(cycle);
+        let is_judging = self.waiting.is_some();
+        self.recorder.sink().disk.release(is_judging);
+        Ok(if is_failing { Turn::Idle } else { turn })
     }
 
     fn stop(&mut self, _cycle: &mut Cycle<'_>) -> Result<(), RecordError> {
