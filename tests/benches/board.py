@@ -69,7 +69,7 @@ class Browser:
         client, answer = self.get(f"/events?view={self.page}&browser=b{self.number}")
         while not self.is_over.is_set():
             line = answer.readline()
-            assert line, "the board has ended the feed"
+            assert line or self.is_over.is_set(), "the board has ended the feed"
             self.bytes += len(line)
             self.messages += line.startswith(b"event: show")
         client.close()
