@@ -296,7 +296,9 @@ fn a_damaged_job_is_put_back_or_taught_anew_and_a_version_that_cannot_be_loaded_
     let other = job(&path);
     assert_eq!(other.provenance.sources.len(), 5);
     assert_ne!(other.model_hash(), taught.model_hash());
-    assert_eq!(fs::read_to_string(line.path("made/versions/polish.faulty.toml")).unwrap(), "no job");
+    let versions = fs::read_dir(line.path("made/versions")).unwrap().flatten();
+    let mut kept = versions.map(|entry| fs::read_to_string(entry.path()).unwrap());
+    assert!(kept.any(|text| text == "no job"));
 
     // Nobody loads it.
     line.role("judge").kill();

@@ -3,9 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use andon_host::config::Config;
+use andon_learn::digest::sha256_hex;
 use andon_learn::job_file::JobFile;
 
 use crate::mark::{Mark, mark};
+
+/// Letters of a hash in the name of a file.
+const HASH: usize = 16;
 
 /// Where they are.
 #[derive(Clone, Debug)]
@@ -117,9 +121,10 @@ impl Made {
         self.folder.join("versions").join(format!("{job}.{hash}.toml"))
     }
 
-    /// What was in the file of a job that had a fault. It is no version.
-    pub(crate) fn faulty(&self, job: &str) -> PathBuf {
-        self.folder.join("versions").join(format!("{job}.faulty.toml"))
+    /// These bytes, which were in the file of a job and had a fault. They are no version, and each has a file of its own.
+    pub(crate) fn faulty(&self, job: &str, bytes: &[u8]) -> PathBuf {
+        let digest = sha256_hex(bytes);
+        self.folder.join("versions").join(format!("{job}.faulty.{}.toml", &digest[..HASH]))
     }
 
     /// The earlier versions of a job, in the order of their names.
@@ -155,7 +160,7 @@ pub(crate) fn hash_of(job: &JobFile) -> String {
 
 /// Whether this is the hash of a version.
 pub(crate) fn is_hash(text: &str) -> bool {
-    text.len() == 16 && text.bytes().all(|byte| byte.is_ascii_hexdigit())
+    text.len() == HASH && text.bytes().all(|byte| byte.is_ascii_hexdigit())
 }
 
 /// Whether a job or a recording may be called like that: a name that is no path, no option and nothing to a shell.

@@ -210,12 +210,13 @@ impl Desk<'_> {
         if films.is_empty() { Err("no recording was chosen".into()) } else { Ok(films) }
     }
 
-    /// Keeps the version of a job that there is, if there is one. A file with a fault is kept as well, in place of an earlier one.
+    /// Keeps the version of a job that there is, if there is one. A file with a fault is kept as well.
     fn keep_version(&mut self, job: &Path) {
         if job.exists() {
             let copy = match jobs::read(job) {
                 Ok(file) => self.made.version(self.task.name(), &hash_of(&file)),
-                Err(_) => self.made.faulty(self.task.name()),
+                // What cannot be read at all cannot be kept either, and the change says so.
+                Err(_) => self.made.faulty(self.task.name(), &fs::read(job).unwrap_or_default()),
             };
             self.changes.push(Change::Keep { file: job.into(), copy });
         }
@@ -528,11 +529,15 @@ mod tests {
     fn a_job_file_with_a_fault_is_replaced_and_rolled_back_and_its_bytes_are_kept() {
         let (_folder, config, made, job) = taught_again();
         let first = jobs::read(&job).unwrap();
-        fs::write(&job, "no job").unwrap();
-        changed(&config, TaskKind::TeachFilms, "one.mp4", task_flag::FORCE).keep();
+        for damaged in ["no job", "no job either"] {
+            fs::write(&job, damaged).unwrap();
+            changed(&config, TaskKind::TeachFilms, "one.mp4", task_flag::FORCE).keep();
+        }
         changed(&config, TaskKind::RollBack, &hash_of(&first), 0).keep();
         assert_eq!(jobs::read(&job).unwrap().model_hash(), first.model_hash());
-        assert_eq!(fs::read_to_string(made.faulty("polish")).unwrap(), "no job");
+        for damaged in ["no job", "no job either"] {
+            assert_eq!(fs::read_to_string(made.faulty("polish", damaged.as_bytes())).unwrap(), damaged);
+        }
         assert_eq!(made.versions("polish").len(), 1, "it is no version");
     }
 }
