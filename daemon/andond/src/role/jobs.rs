@@ -178,7 +178,11 @@ impl Search {
 /// The job files of a folder. It is listed in no order; what is logged should have one.
 pub(crate) fn job_files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let paths = std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path()));
-    let is_job = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "toml");
+    // What begins with a dot is being written.
+    let is_whole =
+        |path: &PathBuf| path.file_name().is_some_and(|name| !name.as_encoded_bytes().starts_with(b"."));
+    let is_job =
+        |path: &PathBuf| path.extension().is_some_and(|extension| extension == "toml") && is_whole(path);
     let mut paths: Vec<PathBuf> =
         paths.filter(|path| path.as_ref().map_or(true, is_job)).collect::<std::io::Result<_>>()?;
     paths.sort();
@@ -224,6 +228,15 @@ mod tests {
         let search = search(&[("b.toml", &job().to_toml()), ("a.toml", &job().to_toml())], wanted);
         let names: Vec<_> = search.found.iter().filter_map(|found| found.path.file_name()).collect();
         assert_eq!(names, ["a.toml", "b.toml"]);
+    }
+
+    #[test]
+    fn a_file_that_is_being_written_is_not_a_second_one_of_its_job() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("one.toml");
+        std::fs::write(&file, job().to_toml()).unwrap();
+        let _written = atomic::staged(&file, job().to_toml().as_bytes()).unwrap();
+        assert_eq!(job_files(folder.path()).unwrap(), [file]);
     }
 
     #[test]

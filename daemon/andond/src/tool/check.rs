@@ -138,6 +138,8 @@ impl Checks<'_> {
         };
         for file in files {
             match role::read_job(&file) {
+                // It was removed since it was listed.
+                Err(_) if !file.exists() => (),
                 Err(error) => self.fault("station.jobs", error),
                 Ok(job) => {
                     if let Err(misfit) = compatibility::station(&job, self.config) {
