@@ -1,6 +1,7 @@
 //! `andond check`: reads the configuration, opens what the roles will open, and reports every fault.
 
 pub(super) mod neighbours;
+mod unit;
 
 use std::fmt;
 use std::io::Read as _;
@@ -91,6 +92,9 @@ pub fn run(arguments: &Check) -> Result<Code, ToolError> {
     } else {
         checks.source();
         checks.port();
+    }
+    for unseen in unit::unseen(&config, rustix::process::geteuid().is_root()) {
+        println!("{unseen}");
     }
     if !(checks.faults.file.is_empty() && checks.faults.machine.is_empty()) {
         return Err(ToolError::Unusable(checks.faults));

@@ -46,8 +46,8 @@ use read::Reader;
 use shm_schemas::RoleId;
 use std::path::{Path, PathBuf};
 
-/// The folder of a journal without a path of its own: `StateDirectory=` of the units.
-const STATE: &str = "/var/lib/andon";
+/// The folder of all that has no path of its own: `StateDirectory=` of the units.
+pub const STATE: &str = "/var/lib/andon";
 
 /// The configuration of one station.
 #[derive(Clone, Debug, Default, PartialEq)]
