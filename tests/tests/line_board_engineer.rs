@@ -344,7 +344,12 @@ fn markers_are_drawn_and_the_bench_is_looked_at_and_calibrated_by_buttons() {
     calibrate(&mut browser, 45, "fault", "not found in the picture");
     assert!(!line.path("made/calibration.toml").exists());
     calibrate(&mut browser, CORNERS[0].0, "good", "each marker lies within");
-    assert!(line.path("made/calibration.toml").is_file());
+    let first = fs::read(line.path("made/calibration.toml")).unwrap();
+    calibrate(&mut browser, CORNERS[0].0, "good", "it counts once that is started again");
+    let says = "document.querySelector('details').textContent.includes('A calibration counts once the station is started again.')";
+    assert_eq!(browser.value(&tab, says), json!(true));
+    let mut kept = fs::read_dir(line.path("made/versions")).unwrap().flatten();
+    assert!(kept.any(|entry| fs::read(entry.path()).unwrap() == first), "the one before it");
     browser.until(&tab, "document.querySelector('#made a[href$=\"calibrated.jpg\"]') !== null");
     look(&mut browser, &tab, "engineer-calibrated");
     for name in ["seen", "calibrated"] {

@@ -123,8 +123,17 @@ impl Made {
 
     /// These bytes, which were in the file of a job and had a fault. They are no version, and each has a file of its own.
     pub(crate) fn faulty(&self, job: &str, bytes: &[u8]) -> PathBuf {
+        self.kept_as(&format!("{job}.faulty"), bytes)
+    }
+
+    /// A calibration with these bytes, which another one has replaced. By its name it is a version of no job.
+    pub(crate) fn calibration_before(&self, bytes: &[u8]) -> PathBuf {
+        self.kept_as("bench.calibration", bytes)
+    }
+
+    fn kept_as(&self, name: &str, bytes: &[u8]) -> PathBuf {
         let digest = sha256_hex(bytes);
-        self.folder.join("versions").join(format!("{job}.faulty.{}.toml", &digest[..HASH]))
+        self.folder.join("versions").join(format!("{name}.{}.toml", &digest[..HASH]))
     }
 
     /// The earlier versions of a job, in the order of their names.

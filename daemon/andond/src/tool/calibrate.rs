@@ -46,7 +46,7 @@ pub fn run(arguments: &Calibrate) -> Result<Code, ToolError> {
     })?;
     println!(
         "{}: each marker lies within {:.1} mm of where the others place it, and its sides fit to {:.1} %\n{residuals}\
-         Name the file in bench.calibration of the station.",
+         Name the file in bench.calibration of the station: it counts once that is started again.",
         arguments.out.display(),
         1000.0 * calibration.centre_error_m,
         100.0 * calibration.side_error

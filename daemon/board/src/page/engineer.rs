@@ -260,6 +260,7 @@ fn bench(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor) {
         let marker = ("m", "engineer.marker", number);
         numbered(html, words, marker, "name=\"marker\" maxlength=\"24\"", &format!("={corner}"));
     }
+    html.element("<p>", words.say("engineer.calibrate_counts"), "</p>");
     html.element("<button name=\"do\" value=\"calibrate\">", words.say("engineer.calibrate"), "</button>");
     html.raw("</form></details>");
 }

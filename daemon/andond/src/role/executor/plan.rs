@@ -276,7 +276,8 @@ impl Desk<'_> {
         self.step("look", vec!["--save".into(), picture.into(), "--annotated".into(), seen.into()])
     }
 
-    fn calibrate(&self) -> Result<Step, String> {
+    /// The calibration that there is is kept.
+    fn calibrate(&mut self) -> Result<Step, String> {
         let is_number = |text: &str| {
             !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit() || b"=,.-".contains(&byte))
         };
@@ -295,6 +296,11 @@ impl Desk<'_> {
                  /var/lib/andon, and restart the station",
                 out.display()
             ));
+        }
+        if out.exists() {
+            let bytes = fs::read(&out).map_err(|error| format!("{}: {error}", out.display()))?;
+            let copy = self.made.calibration_before(&bytes);
+            self.changes.push(Change::Keep { file: out.clone(), copy });
         }
         arguments.extend(["--plot".into(), self.made.calibrated().into(), "--out".into(), out.into()]);
         Ok(self.step("calibrate", arguments))
@@ -539,5 +545,23 @@ mod tests {
             assert_eq!(fs::read_to_string(made.faulty("polish", damaged.as_bytes())).unwrap(), damaged);
         }
         assert_eq!(made.versions("polish").len(), 1, "it is no version");
+    }
+
+    #[test]
+    fn each_calibration_that_another_one_replaces_is_kept_and_is_a_version_of_no_job() {
+        let folder = tempfile::tempdir().unwrap();
+        let config = station(folder.path());
+        let made = Made::new(&config);
+        let text = "0.04\n46=0,0\n47=0.5,0\n48=0.5,0.3\n49=0,-0.3";
+        for calibration in ["first", "second", "third"] {
+            changed(&config, TaskKind::Calibrate, text, 0).keep();
+            fs::write(made.calibration(), calibration).unwrap();
+        }
+        for calibration in ["first", "second"] {
+            let kept = made.calibration_before(calibration.as_bytes());
+            assert_eq!(fs::read_to_string(&kept).unwrap(), calibration);
+            assert!(made.kept().contains(&kept), "a backup has it");
+        }
+        assert!(made.versions("bench").is_empty());
     }
 }
