@@ -307,6 +307,43 @@ fn a_damaged_job_is_put_back_or_taught_anew_and_a_version_that_cannot_be_loaded_
     assert_eq!((state, job(&path).model_hash()), (PrintedState::Failed, other.model_hash()), "{said}");
 }
 
+/// Kills the role in the middle of putting a version back, as a loss of power would, and what it has started.
+fn kill_while_it_puts_back(line: &mut Line, board: &mut Board, hash: &str) {
+    let back = board.order(TaskKind::RollBack, "polish", hash);
+    assert_eq!(board.hears(back).0, PrintedState::Begun);
+    line.role("executor").kill();
+    for pid in running(line, "use") {
+        let _ = kill_process(Pid::from_raw(pid).unwrap(), Signal::KILL);
+    }
+    assert_eq!(format!("{:016x}", job(&line.path("jobs/polish.toml")).model_hash()), hash);
+}
+
+#[test]
+fn what_a_killed_role_has_changed_for_its_task_is_put_back_at_its_next_start_unless_somebody_has_written_there()
+ {
+    let mut line = station();
+    let mut watcher = line.launch();
+    line.start("executor");
+    line.wait_for_log("executor", "AND-629", "");
+    let mut board = Board::new(&line);
+    let (path, version) = (line.path("jobs/polish.toml"), job(&line.path("job.toml")));
+    let hash = format!("{:016x}", version.model_hash());
+    fs::write(line.path(&format!("made/versions/polish.{hash}.toml")), version.to_toml()).unwrap();
+    // Nobody loads it, and the task waits.
+    line.role("judge").kill();
+    fs::write(&path, "as it was").unwrap();
+    kill_while_it_puts_back(&mut line, &mut board, &hash);
+    start_again(&mut line, &mut watcher);
+    line.wait_for_log("executor", "AND-632", "broken off");
+    assert_eq!(fs::read_to_string(&path).unwrap(), "as it was");
+
+    kill_while_it_puts_back(&mut line, &mut board, &hash);
+    fs::write(&path, "by somebody else").unwrap();
+    start_again(&mut line, &mut watcher);
+    assert_eq!(fs::read_to_string(&path).unwrap(), "by somebody else");
+    assert!(!line.path("made/unfinished.json").exists());
+}
+
 #[test]
 fn an_order_that_comes_after_the_page_has_said_that_nobody_does_it_is_not_done() {
     let mut line = station();

@@ -61,6 +61,11 @@ impl Made {
         paths.map(|path| (path.clone(), mark(&path))).collect()
     }
 
+    /// What the running task has changed, for the next start of the role.
+    pub(crate) fn unfinished(&self) -> PathBuf {
+        self.folder.join("unfinished.json")
+    }
+
     /// The folder of the jobs.
     pub(crate) fn jobs(&self) -> &Path {
         &self.jobs

@@ -1,11 +1,15 @@
 //! What a task changes by itself, at the moment in which its command begins. Where that cannot begin, or fails, the files are as they were.
+//!
+//! What is to be put back is noted on disk before anything is changed. Where the role is killed or the power fails, its next start puts it back.
 
 use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-use andon_host::atomic;
+use andon_host::atomic::{self, folder_of};
 use andon_host::log::{code, log};
+use andon_record::store;
+use serde::{Deserialize, Serialize};
 
 /// One change.
 #[derive(Debug)]
@@ -19,10 +23,14 @@ pub(super) enum Change {
 }
 
 /// What was changed, as it was before. Where nobody says what becomes of it, as where the role ends by an error, it is put back.
-#[derive(Debug, Default)]
-pub(super) struct Before(Vec<Was>);
-
 #[derive(Debug)]
+pub(super) struct Before {
+    was: Vec<Was>,
+    /// The file that has all of it for the next start. It is there while a task runs that has changed something.
+    note: PathBuf,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
 struct Was {
     file: PathBuf,
     /// `None` where there was none.
@@ -37,9 +45,10 @@ struct Was {
 /// What cannot be changed or begun, and why.
 pub(super) fn and_begin<T>(
     changes: Vec<Change>,
+    note: PathBuf,
     begin: impl FnOnce() -> io::Result<T>,
 ) -> Result<(T, Before), String> {
-    let mut before = Before::default();
+    let mut before = Before { was: Vec::new(), note };
     let made = changes.into_iter().try_for_each(|change| before.make(change));
     let begun = made.and_then(|()| begin().map_err(|error| format!("andond cannot be started: {error}")));
     match begun {
@@ -47,6 +56,32 @@ pub(super) fn and_begin<T>(
         Err(why) => {
             before.put_back(false);
             Err(why)
+        }
+    }
+}
+
+/// Puts back what a task has changed whose role was killed before it ended.
+pub(super) fn put_back_noted(note: PathBuf) {
+    let noted =
+        read(&note).and_then(|bytes| Ok(bytes.map(|bytes| serde_json::from_slice(&bytes)).transpose()?));
+    match noted {
+        Ok(None) => (),
+        Ok(Some(was)) => {
+            let before = Before { was, note };
+            let files: Vec<_> = before.was.iter().map(|was| was.file.display().to_string()).collect();
+            let files = files.join(", ");
+            log!(
+                code::TASK_ENDED,
+                "it was broken off with this role: put back, unless somebody has written there since: {files}"
+            );
+            before.put_back(false);
+        }
+        Err(error) => {
+            log!(
+                code::EXECUTOR_CANNOT_WRITE,
+                "{}, by which files would be put back: {error}",
+                note.display()
+            );
         }
     }
 }
@@ -64,24 +99,34 @@ impl Before {
             }
             Change::Put { file, bytes } => {
                 let was = read(&file).map_err(failed(&file))?;
-                atomic::write(&file, &bytes).map_err(failed(&file))?;
-                self.0.push(Was { file, bytes: was, put: Some(bytes) });
-                Ok(())
+                self.note(Was { file: file.clone(), bytes: was, put: Some(bytes.clone()) })?;
+                atomic::write(&file, &bytes).map_err(failed(&file))
             }
             Change::Remove { file } => {
                 let was = read(&file).map_err(failed(&file))?;
-                if was.is_some() {
-                    fs::remove_file(&file).map_err(failed(&file))?;
-                    self.0.push(Was { file, bytes: was, put: None });
+                if was.is_none() {
+                    return Ok(());
                 }
-                Ok(())
+                self.note(Was { file: file.clone(), bytes: was, put: None })?;
+                fs::remove_file(&file).map_err(failed(&file))
             }
         }
     }
 
+    /// Notes what is about to be changed.
+    fn note(&mut self, was: Was) -> Result<(), String> {
+        self.was.push(was);
+        let noted = serde_json::to_vec(&self.was).map_err(io::Error::from);
+        let noted = noted.and_then(|bytes| atomic::write(&self.note, &bytes));
+        noted.map_err(|error| format!("{}: {error}", self.note.display()))
+    }
+
     /// The task is done: what was changed stays.
     pub(super) fn keep(mut self) {
-        self.0.clear();
+        if !self.was.is_empty() {
+            self.was.clear();
+            self.forget();
+        }
     }
 
     /// The task has failed or was stopped: its files are again what they were. What has been put in the place of a file stays where the command had
@@ -92,7 +137,11 @@ impl Before {
 
     /// What somebody else has written meanwhile stays as well.
     fn restore(&mut self, has_done_its_work: bool) {
-        for Was { file, bytes, put } in self.0.drain(..) {
+        if self.was.is_empty() {
+            return;
+        }
+        let mut is_whole = true;
+        for Was { file, bytes, put } in self.was.drain(..) {
             let stays = match put {
                 Some(put) => has_done_its_work || fs::read(&file).ok() != Some(put),
                 None => file.exists(),
@@ -105,8 +154,21 @@ impl Before {
                 None => fs::remove_file(&file),
             };
             if let Err(error) = put {
+                is_whole = false;
                 log!(code::EXECUTOR_CANNOT_WRITE, "{}: {error}", file.display());
             }
+        }
+        // What could not be put back is tried again by the next start.
+        if is_whole {
+            self.forget();
+        }
+    }
+
+    /// Removes the note, also from the disk: one that comes back after a loss of power would undo what was done.
+    fn forget(&self) {
+        let sync = || fs::File::open(folder_of(&self.note))?.sync_all();
+        if let Err(error) = store::remove_file(&self.note).and_then(|()| sync()) {
+            log!(code::EXECUTOR_CANNOT_WRITE, "{}: {error}", self.note.display());
         }
     }
 }
@@ -130,10 +192,11 @@ fn read(file: &Path) -> io::Result<Option<Vec<u8>>> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use tempfile::TempDir;
 
     /// The names in a folder with what is in them.
     fn all(folder: &Path) -> Vec<(String, String)> {
-        let entries = fs::read_dir(folder).unwrap().flatten();
+        let entries = fs::read_dir(folder).unwrap().flatten().filter(|entry| entry.file_name() != "note");
         let mut all: Vec<_> = entries
             .map(|entry| {
                 (entry.file_name().to_string_lossy().into_owned(), fs::read_to_string(entry.path()).unwrap())
@@ -153,7 +216,19 @@ mod tests {
         ]
     }
 
-    fn folder() -> tempfile::TempDir {
+    fn note(folder: &TempDir) -> PathBuf {
+        folder.path().join("note")
+    }
+
+    fn begin<T>(
+        folder: &TempDir,
+        changes: Vec<Change>,
+        begin: impl FnOnce() -> io::Result<T>,
+    ) -> Result<(T, Before), String> {
+        and_begin(changes, note(folder), begin)
+    }
+
+    fn folder() -> TempDir {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("job"), "job").unwrap();
         fs::write(folder.path().join("report"), "report").unwrap();
@@ -164,12 +239,12 @@ mod tests {
     fn what_cannot_begin_or_cannot_be_changed_as_a_whole_leaves_all_as_it_was() {
         let folder = folder();
         let before = all(folder.path());
-        let refused = and_begin(changes(folder.path()), || Err::<(), _>(io::ErrorKind::NotFound.into()));
+        let refused = begin(&folder, changes(folder.path()), || Err::<(), _>(io::ErrorKind::NotFound.into()));
         assert!(refused.unwrap_err().contains("andond cannot be started"));
         assert_eq!(all(folder.path()), before);
         let mut changes = changes(folder.path());
         changes.push(Change::Put { file: folder.path().join("missing/job"), bytes: Vec::new() });
-        let refused = and_begin(changes, || -> io::Result<()> { unreachable!("a change has failed") });
+        let refused = begin(&folder, changes, || -> io::Result<()> { unreachable!("a change has failed") });
         assert!(refused.unwrap_err().contains("missing/job"));
         assert_eq!(all(folder.path()), before);
     }
@@ -178,14 +253,14 @@ mod tests {
     fn a_task_that_fails_leaves_its_files_as_they_were_and_what_its_command_has_written() {
         let folder = folder();
         let before = all(folder.path());
-        let ((), was) = and_begin(changes(folder.path()), || Ok(())).unwrap();
+        let ((), was) = begin(&folder, changes(folder.path()), || Ok(())).unwrap();
         let changed = [("job", "version"), ("new", "version")];
         assert_eq!(all(folder.path()), changed.map(|(name, text)| (name.to_owned(), text.to_owned())));
         was.put_back(false);
         assert_eq!(all(folder.path()), before);
-        drop(and_begin(changes(folder.path()), || Ok(())).unwrap());
+        drop(begin(&folder, changes(folder.path()), || Ok(())).unwrap());
         assert_eq!(all(folder.path()), before, "a role that ends by an error");
-        let ((), was) = and_begin(changes(folder.path()), || Ok(())).unwrap();
+        let ((), was) = begin(&folder, changes(folder.path()), || Ok(())).unwrap();
         for name in ["report", "new"] {
             fs::write(folder.path().join(name), "another").unwrap();
         }
@@ -193,9 +268,51 @@ mod tests {
         for name in ["report", "new"] {
             assert_eq!(fs::read_to_string(folder.path().join(name)).unwrap(), "another");
         }
-        let ((), was) = and_begin(changes(folder.path()), || Ok(())).unwrap();
+        let ((), was) = begin(&folder, changes(folder.path()), || Ok(())).unwrap();
         was.put_back(true);
         let text = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
         assert_eq!((text("job").as_str(), text("report").as_str()), ("version", "another"));
+    }
+
+    #[test]
+    fn what_a_killed_role_has_changed_is_put_back_by_the_next_one_unless_somebody_has_written_meanwhile() {
+        let folder = folder();
+        let before = all(folder.path());
+        let killed = || {
+            let ((), was) = begin(&folder, changes(folder.path()), || Ok(())).unwrap();
+            std::mem::forget(was);
+        };
+        killed();
+        assert_ne!(all(folder.path()), before);
+        put_back_noted(note(&folder));
+        assert_eq!((all(folder.path()), note(&folder).exists()), (before.clone(), false));
+        // There is nothing to be put back.
+        put_back_noted(note(&folder));
+        assert_eq!(all(folder.path()), before);
+
+        killed();
+        for name in ["job", "report"] {
+            fs::write(folder.path().join(name), "another").unwrap();
+        }
+        put_back_noted(note(&folder));
+        let written = [("job", "another"), ("report", "another")];
+        assert_eq!(all(folder.path()), written.map(|(name, text)| (name.to_owned(), text.to_owned())));
+
+        // Killed before it has changed what it has noted, and once it was done.
+        let ((), was) = begin(&folder, changes(folder.path()), || Ok(())).unwrap();
+        let noted = fs::read(note(&folder)).unwrap();
+        was.put_back(false);
+        fs::write(note(&folder), noted).unwrap();
+        put_back_noted(note(&folder));
+        assert_eq!(all(folder.path()), written.map(|(name, text)| (name.to_owned(), text.to_owned())));
+        let ((), was) = begin(&folder, changes(folder.path()), || Ok(())).unwrap();
+        let changed = all(folder.path());
+        was.keep();
+        put_back_noted(note(&folder));
+        assert_eq!(all(folder.path()), changed);
+        // A note that is none is said, and nothing is done.
+        fs::write(note(&folder), "no note").unwrap();
+        put_back_noted(note(&folder));
+        assert_eq!(all(folder.path()), changed);
     }
 }

@@ -53,7 +53,9 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         auditor: Auditor::open(node)?,
         running: None,
     };
-    make_folders(&Made::new(config));
+    let made = Made::new(config);
+    change::put_back_noted(made.unfinished());
+    make_folders(&made);
     cycle.stepped(began);
     cycle.run(&mut role)
 }
@@ -151,7 +153,8 @@ impl Executor<'_> {
     fn begin(&mut self, cycle: &mut Cycle<'_>, task: &Task, plan: Plan) -> Result<(), RoleError> {
         let Plan { changes, steps: mut rest } = plan;
         let Some(step) = rest.pop_front() else { return self.refuse(cycle, task, "this is no command") };
-        match change::and_begin(changes, || start(&step, self.config)) {
+        let note = Made::new(self.config).unfinished();
+        match change::and_begin(changes, note, || start(&step, self.config)) {
             Ok((child, before)) => {
                 let task = *task;
                 self.running =

@@ -352,7 +352,7 @@ mod tests {
         let mut task = Task { flags, ..Task::default() };
         assert!(task.say("maria", "polish", text));
         let plan = of(kind, &task, config).unwrap();
-        and_begin(plan.changes, || Ok(())).unwrap().1
+        and_begin(plan.changes, Made::new(config).unfinished(), || Ok(())).unwrap().1
     }
 
     /// A station whose job has an earlier version that is the same: it was about to be taught again.
