@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_ipc::{Node, Reader};
+use andon_learn::job_file::JobFile;
 use andon_perception::Dictionary;
 use andon_tests::browser::{Browser, Tab};
 use andon_tests::line::{Line, NOISE, PATIENCE, Settings, Watcher, free_port, save_runs, stand_in};
@@ -243,6 +244,79 @@ fn an_engineer_without_a_shell_teaches_a_job_names_its_steps_loads_it_and_it_jud
     let kept = String::from_utf8(output.stdout).unwrap();
     for what in ["teach-films polish", "name polish", "load polish: done"] {
         assert!(kept.lines().any(|row| row.contains("login eva") && row.contains(what)), "{what}: {kept}");
+    }
+}
+
+#[test]
+fn a_damaged_job_says_what_is_wrong_with_it_and_is_put_back_by_a_button_and_a_form_that_is_too_long_leads_back()
+ {
+    let (line, mut watcher, board) = start(Line::new(Settings::live()), &[]);
+    let taught = fs::read(line.path("job.toml")).unwrap();
+    let hash = JobFile::parse("job.toml", &taught).unwrap().model_hash();
+    fs::write(line.path("jobs/polish.toml"), "no job").unwrap();
+    let mut browser = Browser::start();
+    let tab = enter(&mut browser, &format!("{board}/engineer"));
+    let teach = "in its place";
+    browser.until(&tab, &format!("document.querySelector('#jobs').innerText.includes('{teach}')"));
+    press(&mut browser, &tab, "#jobs a[href*=\"at=polish\"]");
+    browser.until(&tab, &format!("document.querySelector('#versions').innerText.includes('{teach}')"));
+    let offers = |what: &str| format!("document.querySelector('{what}') !== null");
+    for nothing in ["button[name=back]", "button[name=whatif]", "#names button", "#again"] {
+        assert_eq!(browser.value(&tab, &offers(nothing)), json!(false), "{nothing}");
+    }
+    look(&mut browser, &tab, "engineer-damaged");
+    // A version turns up, as from a backup: the page offers it without being asked for again.
+    fs::write(line.path(&format!("made/versions/polish.{hash:016x}.toml")), &taught).unwrap();
+    browser.until(&tab, &offers("button[name=back]"));
+    let says = "document.querySelector('#versions').innerText.includes('put back an earlier version')";
+    assert_eq!(browser.value(&tab, says), json!(true));
+    look(&mut browser, &tab, "engineer-damaged-version");
+    press(&mut browser, &tab, "button[name=back]");
+    ends(&mut browser, &tab, "good");
+    browser.until(&tab, &offers("#s1"));
+    judges(&mut watcher);
+
+    // More than a task holds, and more than the server reads.
+    browser.go(&tab, &format!("{board}/engineer/job?at=polish&lang=de"));
+    browser.until(&tab, &offers("#s1"));
+    let status = "performance.getEntriesByType('navigation')[0].responseStatus";
+    for (bytes, says) in [(5_000, "auf einmal"), (50_000, "the form is too long: go back")] {
+        browser.value(&tab, &format!("document.getElementById('s1').value = 'x'.repeat({bytes}); true"));
+        press(&mut browser, &tab, "#names button");
+        let said = format!("document.body.innerText.includes('{says}')");
+        assert_eq!(browser.value(&tab, &said), json!(true), "{bytes}");
+        assert_eq!(browser.value(&tab, status), json!(413), "{bytes}");
+        browser.keep(&tab, &format!("engineer-too-long-{bytes}"));
+        if bytes == 5_000 {
+            press(&mut browser, &tab, "main a[href*=\"at=polish\"]");
+            browser.until(&tab, &offers("#s1"));
+        }
+    }
+    assert_eq!(fs::read(line.path("jobs/polish.toml")).unwrap(), taught);
+}
+
+#[test]
+fn pages_with_a_job_that_judges_fit_a_tablet_in_every_language() {
+    let (line, mut watcher, board) = start(Line::new(Settings { flaw: Flaw::J1, ..Settings::live() }), &[]);
+    fs::copy(line.path("job.toml"), line.path("jobs/polish.toml")).unwrap();
+    let mut browser = Browser::start();
+    let tab = enter(&mut browser, &format!("{board}/engineer"));
+    press(&mut browser, &tab, "#jobs button[name=load]");
+    ends(&mut browser, &tab, "good");
+    watcher.until("a piece", |watcher| watcher.verdicts.iter().any(|verdict| verdict.level == 3));
+    for lang in ["de", "en", "es", "fr", "zh"] {
+        for (page, drawn) in [
+            ("", "#view h1"),
+            ("technician", "#events tbody tr"),
+            ("engineer", "#audit tbody tr"),
+            ("engineer/job?at=polish", "#s1"),
+        ] {
+            let sign = if page.contains('?') { '&' } else { '?' };
+            browser.go(&tab, &format!("{board}/{page}{sign}lang={lang}"));
+            browser.until(&tab, &format!("document.querySelector('{drawn}') !== null"));
+            let name = page.split('?').next().unwrap().replace('/', "-");
+            look(&mut browser, &tab, &format!("{lang}-{name}"));
+        }
     }
 }
 
