@@ -335,6 +335,7 @@ fn what_a_killed_role_has_changed_for_its_task_is_put_back_at_its_next_start_unl
     kill_while_it_puts_back(&mut line, &mut board, &hash);
     start_again(&mut line, &mut watcher);
     line.wait_for_log("executor", "AND-632", "broken off");
+    audit(&line, "broken off with its role: put back");
     assert_eq!(fs::read_to_string(&path).unwrap(), "as it was");
 
     kill_while_it_puts_back(&mut line, &mut board, &hash);

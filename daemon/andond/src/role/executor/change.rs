@@ -60,21 +60,20 @@ pub(super) fn and_begin<T>(
     }
 }
 
-/// Puts back what a task has changed whose role was killed before it ended.
-pub(super) fn put_back_noted(note: PathBuf) {
+/// Puts back what a task has changed whose role was killed before it ended, and says so in one line; `None` where there is nothing to be put back.
+pub(super) fn put_back_noted(note: PathBuf) -> Option<String> {
     let noted =
         read(&note).and_then(|bytes| Ok(bytes.map(|bytes| serde_json::from_slice(&bytes)).transpose()?));
     match noted {
-        Ok(None) => (),
+        Ok(None) => None,
         Ok(Some(was)) => {
             let before = Before { was, note };
             let files: Vec<_> = before.was.iter().map(|was| was.file.display().to_string()).collect();
-            let files = files.join(", ");
-            log!(
-                code::TASK_ENDED,
-                "it was broken off with this role: put back, unless somebody has written there since: {files}"
-            );
             before.put_back(false);
+            let files = files.join(", ");
+            Some(format!(
+                "broken off with its role: put back, unless somebody has written there since: {files}"
+            ))
         }
         Err(error) => {
             log!(
@@ -82,6 +81,7 @@ pub(super) fn put_back_noted(note: PathBuf) {
                 "{}, by which files would be put back: {error}",
                 note.display()
             );
+            None
         }
     }
 }

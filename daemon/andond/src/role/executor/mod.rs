@@ -54,7 +54,10 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         running: None,
     };
     let made = Made::new(config);
-    change::put_back_noted(made.unfinished());
+    if let Some(said) = change::put_back_noted(made.unfinished()) {
+        log!(code::TASK_ENDED, "{said}");
+        role.auditor.record(&mut cycle, AuditKind::Task, "role executor", &said)?;
+    }
     make_folders(&made);
     cycle.stepped(began);
     cycle.run(&mut role)
