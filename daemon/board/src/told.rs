@@ -73,7 +73,7 @@ impl Teller<'_> {
     fn step(&self, verdict: &Verdict, step: u16) -> String {
         let number = self.words.fill("label.step", &[("number", &(u32::from(step) + 1).to_string())]);
         let known = self.job.step(step).filter(|_| verdict.model_hash == self.job.hash);
-        known.map_or(number.clone(), |known| format!("{number}: {}", known.name))
+        known.map_or(number.clone(), |known| [&number, self.words.say("label.colon"), &known.name].concat())
     }
 
     /// What was measured, and what was shown.

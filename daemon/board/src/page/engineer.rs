@@ -111,7 +111,8 @@ fn told(html: &mut Html, shown: &Shown, words: &Table) {
     };
     html.raw("<h2 class=\"now ").raw(style).raw("\">").raw(sign);
     html.text(words.say(&format!("task.{}", shown.kind.name())));
-    html.raw(if shown.name.is_empty() { "" } else { " " }).text(&shown.name).raw(": ");
+    html.raw(if shown.name.is_empty() { "" } else { " " }).text(&shown.name);
+    html.text(words.say("label.colon"));
     html.element("<b>", words.say(&format!("engineer.{key}")), "</b>");
     html.element(" <small>", &shown.who, "</small></h2>");
     if shown.is_running() {

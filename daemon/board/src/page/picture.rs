@@ -113,7 +113,10 @@ fn unseen(board: &Board, words: &Table, picture: &Picture) -> Option<String> {
     let names: Vec<String> = things.map(|thing| name_of(board, words, thing.what)).collect();
     Some(match names.as_slice() {
         [] => words.say("picture.all_seen").to_owned(),
-        names => format!("{}: {}", words.say("label.missing"), names.join(", ")),
+        names => {
+            let names = names.join(", ");
+            [words.say("label.missing"), words.say("label.colon"), &names].concat()
+        }
     })
 }
 

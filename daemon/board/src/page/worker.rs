@@ -53,7 +53,7 @@ fn head(html: &mut Html, board: &Board, words: &Table) {
     if let Some(part) = part {
         html.element("<p class=\"part\">", &words.fill("label.part", &[("id", part.text())]), "</p>");
     }
-    html.raw("<p class=\"pieces\">").text(words.say("label.today")).raw(": ");
+    html.raw("<p class=\"pieces\">").text(words.say("label.today")).text(words.say("label.colon"));
     let counts = board.pieces;
     let kinds = [
         (counts.good, "\u{2713} ", "label.good"),
