@@ -106,8 +106,14 @@ fn a_fault_on_a_film_a_board_that_is_killed_and_a_dead_line_are_said_and_the_pag
     browser.until(&tab, &says(&["LÄUFT", "FEHLER", "BEREIT", "GUT"]));
     assert_eq!(browser.value(&tab, "window.words.length > 0"), json!(true), "the page was not loaded again");
 
+    let killed = browser.value(&tab, "performance.timeOrigin + performance.now()").as_f64().unwrap();
     line.role("judge").kill();
     browser.until(&tab, &says(&["KEINE PRÜFUNG"]));
+    let dead = browser.value(&tab, "window.words.findLast(({ word }) => word === 'KEINE PRÜFUNG').at");
+    println!(
+        "that nothing is judged was shown {:.0} ms after the judge was killed",
+        dead.as_f64().unwrap() - killed
+    );
     browser.keep(&tab, "worker-dead");
     line.start("judge");
     browser.until(&tab, &says(&["LÄUFT", "FEHLER", "BEREIT", "GUT"]));
