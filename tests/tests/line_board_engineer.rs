@@ -9,7 +9,7 @@ use andon_tests::line::{Line, NOISE, PATIENCE, Settings, Watcher, free_port, sav
 use andon_tests::simulator::Flaw;
 use rustix::process::Signal;
 use serde_json::json;
-use shm_schemas::{Detections, RoleId};
+use shm_schemas::{Detections, RoleId, Verdict};
 use std::fs;
 use std::time::{Duration, Instant};
 
@@ -296,6 +296,59 @@ fn a_damaged_job_says_what_is_wrong_with_it_and_is_put_back_by_a_button_and_a_fo
 }
 
 #[test]
+fn what_somebody_calls_right_is_taught_a_run_is_left_out_and_a_station_is_written_each_by_one_click() {
+    let line = Line::new(Settings { flaw: Flaw::J1, ..Settings::live() });
+    line.record("always");
+    let (mut line, mut watcher, board) = start(line, &[]);
+    let path = line.path("jobs/polish.toml");
+    fs::copy(line.path("job.toml"), &path).unwrap();
+    let sources = || -> Vec<String> {
+        let job = JobFile::parse("polish.toml", &fs::read(&path).unwrap()).unwrap();
+        job.provenance.sources.into_iter().map(|source| source.name).collect()
+    };
+    let mut browser = Browser::start();
+    let tab = enter(&mut browser, &format!("{board}/engineer"));
+    press(&mut browser, &tab, "#jobs button[name=load]");
+    ends(&mut browser, &tab, "good");
+
+    browser.go(&tab, &format!("{board}/engineer/job?at=polish"));
+    press(&mut browser, &tab, "button[name=without][value=\"polish/p1_r1.tracks.jsonl\"]");
+    ends(&mut browser, &tab, "good");
+    browser.until(&tab, "document.querySelectorAll('#versions button[name=back]').length === 1");
+
+    // The work was right, and the job had not been shown enough.
+    let is_accused = |verdict: &&Verdict| (verdict.level, verdict.outcome) == (3, 2);
+    watcher.until("two faults", |watcher| watcher.verdicts.iter().filter(is_accused).count() > 1);
+    let accused = watcher.verdicts.iter().find(is_accused).unwrap().stamp.id();
+    line.role("record").signal(Signal::TERM);
+    assert!(line.role("record").wait().success(), "{}", line.log("record"));
+    browser.go(&tab, &format!("{board}/technician"));
+    press(&mut browser, &tab, &format!("#e{accused} button[name=right]"));
+    browser.go(&tab, &format!("{board}/engineer/job?at=polish"));
+    browser.until(&tab, "document.querySelector('#again [name=force]') !== null");
+    browser.value(&tab, "document.querySelector('#again [name=force]').checked = true; true");
+    press(&mut browser, &tab, "#again button");
+    ends(&mut browser, &tab, "good");
+    let sources = sources();
+    assert!(sources.iter().any(|name| name.starts_with("confirmed-")), "{sources:?}");
+    browser.until(&tab, "document.querySelectorAll('#versions button[name=back]').length === 2");
+
+    browser.go(&tab, &format!("{board}/engineer"));
+    browser.value(
+        &tab,
+        "document.getElementById('station').closest('details').open = true;
+         document.getElementById('station').value = 'bench2'; document.getElementById('p1').value = 'brick=0.033'; true",
+    );
+    press(&mut browser, &tab, "button[value=new]");
+    ends(&mut browser, &tab, "good");
+    let written = "a[href$=\"station.toml?at=bench2\"]";
+    browser.until(&tab, &format!("document.querySelector('#made {written}') !== null"));
+    let says = "fetch('/engineer/made/station.toml?at=bench2').then(answer => answer.text())
+        .then(text => text.includes('name = \"bench2\"') && text.includes('name = \"brick\"'))";
+    assert_eq!(browser.value(&tab, says), json!(true));
+}
+
+#[test]
 fn pages_with_a_job_that_judges_fit_a_tablet_in_every_language() {
     let (line, mut watcher, board) = start(Line::new(Settings { flaw: Flaw::J1, ..Settings::live() }), &[]);
     fs::copy(line.path("job.toml"), line.path("jobs/polish.toml")).unwrap();
@@ -315,6 +368,12 @@ fn pages_with_a_job_that_judges_fit_a_tablet_in_every_language() {
             browser.go(&tab, &format!("{board}/{page}{sign}lang={lang}"));
             browser.until(&tab, &format!("document.querySelector('{drawn}') !== null"));
             let name = page.split('?').next().unwrap().replace('/', "-");
+            if page == "technician" {
+                // Also the newest message of a role is seen without moving the table, however long its words are.
+                browser.resize(&tab, TABLET);
+                let left = "document.querySelector('#roles th:last-child').getBoundingClientRect().left + 60 < innerWidth";
+                assert_eq!(browser.value(&tab, left), json!(true), "{lang}");
+            }
             look(&mut browser, &tab, &format!("{lang}-{name}"));
         }
     }
