@@ -292,7 +292,13 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         let ends_job = self.ends_job(couples);
         let Self { segmenter, bench, .. } = self;
         segmenter.job_matched(ends_job);
-        segmenter.step(couples, &mut |event| bench.take(&event, Some(couples)));
+        let is_next_begun = ends_job && couples.hands.iter().any(|couple| segmenter.begins_activity(couple));
+        segmenter.step(couples, &mut |event| {
+            if is_next_begun {
+                bench.break_off_held(&event, couples);
+            }
+            bench.take(&event, Some(couples));
+        });
         segmenter.take_unseen(false).into_iter().for_each(|began_ns| bench.conclude_unseen(began_ns));
         let Bench { hands, progress } = bench;
         for (hand, couple) in hands.iter_mut().zip(&couples.hands) {
@@ -432,6 +438,16 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
         self.progress.conclude(true);
     }
 
+    /// A hand has begun the next piece, and the IU of the other one ends with the job. As long as that hand keeps what it acts with, it is still at
+    /// it, be it in this IU or in the next one.
+    fn break_off_held(&mut self, event: &segment::Event, couples: &Couples) {
+        let segment::Event::IuEnded { side, iu } = event else { return };
+        let next = couples.hands[side.index()].context;
+        if next.is_touch() && next.0[..2] == iu.context.0[..2] {
+            self.hands[side.index()].break_off();
+        }
+    }
+
     /// Takes an event of the segmentation, which comes from `couples` or from a command.
     fn take(&mut self, event: &segment::Event, couples: Option<&Couples>) {
         let Self { hands, progress } = self;
@@ -469,12 +485,7 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
             segment::Event::Eru { .. } => {}
             segment::Event::IuEnded { side, iu } => {
                 let next = couples.map(|couples| couples.hands[side.index()].context);
-                let hand = &mut hands[side.index()];
-                // The other hand has begun the next piece while this one is still at it.
-                if next == Some(iu.context) {
-                    hand.break_off();
-                }
-                hand.end_iu(&iu, next, progress);
+                hands[side.index()].end_iu(&iu, next, progress);
             }
             segment::Event::ActivityEnded { side, .. } => hands[side.index()].end_activity(progress),
             segment::Event::JobEnded { .. } => {

@@ -1,10 +1,11 @@
 //! Two pieces are never one: what may have been done in the time that nobody watched, and how often a piece gets a verdict.
 
-use crate::common::script::{Part, idle, short, stream};
+use crate::common::script::{Part, Still, Toward, idle, part, short, stream, teach};
 use crate::common::work::{IN_ORDER, away, judged, measure, polish, polish_and_measure};
 use andon_core::couple::{Couples, Unseen, Visibility};
+use andon_core::input::Side;
 use andon_core::job::{Job, Law};
-use andon_core::verdict::Level;
+use andon_core::verdict::{Level, Outcome};
 
 /// These parts, of which nothing is seen in some frames: what a hand did before them, it does not.
 fn unwatched(parts: &[Part], hidden: core::ops::Range<usize>) -> Vec<Couples> {
@@ -63,6 +64,31 @@ fn a_job_that_begins_with_what_may_come_last_is_not_right_if_nobody_watched_befo
     assert_eq!(unwatched[0], "JobOk");
     // The polishing may be that of the piece after the one that was measured.
     assert!(unwatched[1..].iter().all(|job| job.starts_with("NotJudged")), "{unwatched:?}");
+}
+
+#[test]
+fn a_hand_that_keeps_its_part_while_the_other_one_begins_the_next_piece_is_still_at_it() {
+    let hold = [
+        part([2, 7, 0, 0], 30, Toward(3)),
+        part([2, 7, 7, 3], 40, Still),
+        part([0, 0, 7, 3], 20, Still),
+        idle(20),
+    ];
+    let turn = [part([2, 8, 0, 0], 30, Toward(3)), part([2, 8, 8, 3], 40, Still), idle(20)];
+    let job = teach(&[&polish(6), &hold, &turn]);
+    // The left hand breaks off, and the right one is at the same step again when the left one begins what it has done already.
+    let right = [&polish(6)[..], &[idle(20)], &polish(6)].concat();
+    let again = right[..6].iter().map(|part| part.frames).sum::<usize>();
+    let begun = hold.iter().map(|part| part.frames).sum::<usize>() + turn[0].frames;
+    for shift in 0..=10 {
+        let rest = idle(again + shift - 5 - begun);
+        let left = [&hold[..], &turn[..1], &[rest], &hold].concat();
+        let verdicts = judged(&job, &stream(&right, &left));
+        let of_right = verdicts.iter().filter(|verdict| verdict.side == Some(Side::Right));
+        let wrong: Vec<String> =
+            of_right.filter(|verdict| verdict.outcome == Outcome::Anomaly).map(short).collect();
+        assert_eq!(wrong, [""; 0], "{} frames after its next IU has begun", shift as i64 - 5);
+    }
 }
 
 #[test]
