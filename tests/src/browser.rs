@@ -109,10 +109,14 @@ impl Browser {
         self.until(tab, "document.readyState === 'complete' && location.href !== 'about:blank'");
     }
 
-    /// Presses a key that writes nothing, as Tab, or Enter, which does what has the focus.
+    /// Presses a key that writes nothing, as Tab, or Enter or the space bar, which do what has the focus.
     pub fn press(&mut self, tab: &Tab, key: &str, code: u32) {
-        // Enter does nothing without its character.
-        let text = if key == "Enter" { "\r" } else { "" };
+        // These two do nothing without their character.
+        let text = match key {
+            "Enter" => "\r",
+            " " => " ",
+            _ => "",
+        };
         for kind in [if text.is_empty() { "rawKeyDown" } else { "keyDown" }, "keyUp"] {
             let event =
                 json!({"type": kind, "key": key, "code": key, "windowsVirtualKeyCode": code, "text": text});

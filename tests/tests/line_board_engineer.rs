@@ -5,7 +5,7 @@ use andon_ipc::{Node, Reader};
 use andon_learn::job_file::JobFile;
 use andon_perception::Dictionary;
 use andon_tests::browser::{Browser, Tab};
-use andon_tests::line::{Line, NOISE, PATIENCE, Settings, Watcher, free_port, save_runs, stand_in};
+use andon_tests::line::{Line, NOISE, PATIENCE, Settings, Watcher, free_port, root, save_runs, stand_in};
 use andon_tests::simulator::Flaw;
 use rustix::process::Signal;
 use serde_json::json;
@@ -245,6 +245,41 @@ fn an_engineer_without_a_shell_teaches_a_job_names_its_steps_loads_it_and_it_jud
     for what in ["teach-films polish", "name polish", "load polish: done"] {
         assert!(kept.lines().any(|row| row.contains("login eva") && row.contains(what)), "{what}: {kept}");
     }
+}
+
+#[test]
+fn a_job_is_taught_from_films_with_the_keyboard_alone_and_judges_what_the_camera_sees() {
+    const FILMS: [&str; 5] =
+        ["p1_none_r1.mp4", "p1_none_r2.mp4", "p1_none_r3.mp4", "p2_none_r1.mp4", "p2_none_r2.mp4"];
+    let line = Line::with_film("speed = \"file\"", "", &["-i", "p1_J1_r1.mp4"]);
+    let (line, mut watcher, board) = start(line, &["capture"]);
+    for film in FILMS {
+        fs::copy(root().join("tests/footage").join(film), line.path("made/films").join(film)).unwrap();
+    }
+    let mut browser = Browser::start();
+    let tab = enter(&mut browser, &format!("{board}/engineer"));
+    browser.until(&tab, "document.querySelectorAll('[name=film][value$=mp4]').length === 5");
+    let has_focus = |selector: &str| format!("document.activeElement.matches({})", json!(selector));
+    let confirm = |browser: &mut Browser, button: &str| {
+        browser.until(&tab, &format!("document.querySelector('{button}') !== null"));
+        browser.tab_to(&tab, &has_focus(button));
+        browser.value(&tab, "window.isOld = true");
+        browser.press(&tab, "Enter", 13);
+        browser.until(&tab, "!window.isOld && document.readyState === 'complete'");
+        ends(browser, &tab, "good");
+    };
+    browser.tab_to(&tab, &has_focus("#job"));
+    browser.write(&tab, "polish");
+    for film in FILMS {
+        browser.tab_to(&tab, &has_focus(&format!("[name=film][value='{film}']")));
+        browser.press(&tab, " ", 32);
+    }
+    confirm(&mut browser, "button[value=films]");
+    confirm(&mut browser, "#jobs button[name=load]");
+    // Half of the strokes.
+    watcher.until("a fault", |watcher| {
+        watcher.verdicts.iter().any(|verdict| (verdict.level, verdict.outcome) == (3, 2))
+    });
 }
 
 #[test]
