@@ -201,10 +201,14 @@ impl OpenActivity {
     }
 
     /// The newest IU began in doubt as many frames ago, and it is certain now that it has happened. What was not seen lies before it, or between two
-    /// IUs in this context.
-    pub(super) fn confirm_iu(&mut self, job: &Job<'_>, frames: u32) {
+    /// IUs in this context. The second may be that of another activity, if the hand had time to let go.
+    pub(super) fn confirm_iu(&mut self, side: Side, frames: u32, progress: &Progress<'_>) {
+        let job = progress.job;
         let with_it = self.places_after(job);
         let hidden = core::mem::take(&mut self.hidden).min(frames);
+        if hidden >= self.end_frames {
+            self.note_possible_repeat(&with_it, (side, self.newest), hidden, progress);
+        }
         for ((places, with_it), nominal) in self.places.iter_mut().zip(with_it).zip(job.activities) {
             if !places.is_empty() {
                 *places = with_it.resume(hidden, nominal.ius, self.newest);
@@ -252,13 +256,9 @@ impl OpenActivity {
         let is_same = context == Context::IDLE || context == self.newest;
         if self.hidden > 0 && is_same {
             let hidden = self.hidden;
-            // The hand may have let go meanwhile, or ended all of it and begun again with the same object, if that may come again.
+            // The hand may have let go meanwhile.
             if context != Context::IDLE {
-                let all = self.places.iter().zip(job.activities).enumerate();
-                let is_again = |(index, (places, nominal)): &(usize, (&Places, &NominalActivity<'_>))| {
-                    places.may_be_again(nominal.ius, hidden, context) && progress.may_come_again(side, *index)
-                };
-                self.possibly_ended |= all.filter(is_again).map(|(index, _)| index).collect();
+                self.note_possible_repeat(&{ self.places }, (side, context), hidden, progress);
             } else if hidden >= self.end_frames {
                 self.note_possible_end(job);
             }
@@ -267,6 +267,21 @@ impl OpenActivity {
             }
             self.hidden = 0;
         }
+    }
+
+    /// From these places the hand may have ended all of it in as many hidden frames, and begun again in this context, if that may come again.
+    fn note_possible_repeat(
+        &mut self,
+        places: &[Places; ACTIVITIES],
+        (side, context): (Side, Context),
+        hidden: u32,
+        progress: &Progress<'_>,
+    ) {
+        let all = places.iter().zip(progress.job.activities).enumerate();
+        let is_again = |(index, (places, nominal)): &(usize, (&Places, &NominalActivity<'_>))| {
+            places.may_be_again(nominal.ius, hidden, context) && progress.may_come_again(side, *index)
+        };
+        self.possibly_ended |= all.filter(is_again).map(|(index, _)| index).collect();
     }
 
     /// The hand was idle, or may have been: what was not judged or not seen may have been all of it.

@@ -51,6 +51,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress.set_hidden(self.side, hidden, hidden > 0 || self.doubt.is_doubtful());
         progress.count_occluded(couple, frames, hidden > 0);
         self.note_never_seen(progress);
+        if let Some(iu) = &mut self.iu {
+            iu.elapsed = iu.elapsed.saturating_add(frames);
+        }
         // An IU that began in doubt is confirmed elsewhere.
         let is_certain = self.doubt.is_certain() && self.iu.is_none_or(|iu| iu.is_certain);
         if let Some(activity) = &mut self.activity {
@@ -87,6 +90,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             context,
             began_ns: couple.captured_ns,
             ended_ns: None,
+            elapsed: 0,
             observation: IuObservation {
                 gap_before: self.doubt.gap(),
                 may_be_part,
@@ -104,7 +108,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     fn confirm_iu(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         let (Some(iu), Some(activity)) = (&mut self.iu, &mut self.activity) else { return };
         iu.is_certain = true;
-        activity.confirm_iu(progress.job, iu.observation.frames);
+        activity.confirm_iu(self.side, iu.elapsed, progress);
         if self.comparisons.is_empty() && iu.context.is_touch() && !iu.is_concluded {
             self.judge_context(couple, progress);
         }
