@@ -9,6 +9,7 @@ use andon_core::verdict::{Level, Outcome, Verdict};
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::Recording;
 use andon_learn::run::Run;
+use std::ops::Range;
 
 /// What is deleted in a stretch of time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -229,9 +230,9 @@ pub fn try_deletions(job: &JobFile, correct: &[&Recording], seed: u64, cases: u6
 
 /// Deletes something from any two of these correct recordings, one after the other, as often as `cases` says. In half of the cases the encoder
 /// starts again at any time.
-pub fn try_two_pieces(job: &JobFile, correct: &[&Recording], seed: u64, cases: u64) -> Tried {
+pub fn try_two_pieces(job: &JobFile, correct: &[&Recording], seed: u64, cases: Range<u64>) -> Tried {
     let mut tried = Tried::default();
-    for case in 0..cases {
+    for case in cases {
         let mut random = Random::new(seed, &[98, case]);
         let pieces = [(); 2].map(|()| correct[random.index(correct.len())]);
         let both = one_after_the_other(&pieces, random.between(0.2, 3.0));
