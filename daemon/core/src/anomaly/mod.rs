@@ -439,11 +439,12 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
     }
 
     /// A hand has begun the next piece, and the IU of the other one ends with the job. As long as that hand keeps what it acts with, it is still at
-    /// it, be it in this IU or in the next one.
+    /// it, be it in this IU or in the next one. So it is in a release state that lasts.
     fn break_off_held(&mut self, event: &segment::Event, couples: &Couples) {
         let segment::Event::IuEnded { side, iu } = event else { return };
         let next = couples.hands[side.index()].context;
-        if next.is_touch() && next.0[..2] == iu.context.0[..2] {
+        let keeps_part = next.is_touch() && next.0[..2] == iu.context.0[..2];
+        if keeps_part || next == iu.context {
             self.hands[side.index()].break_off();
         }
     }
