@@ -251,18 +251,25 @@ impl Work {
         self.settle(probed);
         loop {
             match orders.recv_timeout(FLUSH) {
-                Ok(orders) => orders.into_iter().for_each(|order| self.obey(order)),
-                Err(RecvTimeoutError::Timeout) => (),
+                Ok(orders) => orders.into_iter().for_each(|order| {
+                    self.obey(order);
+                    self.flush();
+                }),
+                Err(RecvTimeoutError::Timeout) => self.flush(),
                 Err(RecvTimeoutError::Disconnected) => break,
             }
-            let flushed = self.flush_when_due();
-            self.settle(flushed);
             if self.trimmed.elapsed() >= TRIM {
                 self.trim();
             }
         }
         let ended = self.end();
         self.settle(ended);
+    }
+
+    /// After each order: a clip comes as hundreds of them at once, and the room on the disk is the journal's.
+    fn flush(&mut self) {
+        let flushed = self.flush_when_due();
+        self.settle(flushed);
     }
 
     fn tell(&self, told: Told) {
