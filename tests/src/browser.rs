@@ -97,6 +97,14 @@ impl Browser {
         tab
     }
 
+    /// Lets nothing through of what ends with one of these, and nothing comes from the cache.
+    pub fn block(&mut self, tab: &Tab, ends: &[&str]) {
+        let urls: Vec<_> = ends.iter().map(|end| format!("*{end}")).collect();
+        self.ask(Some(tab), "Network.enable", json!({}));
+        self.ask(Some(tab), "Network.setCacheDisabled", json!({"cacheDisabled": true}));
+        self.ask(Some(tab), "Network.setBlockedURLs", json!({"urls": urls}));
+    }
+
     /// Makes the window this large.
     pub fn resize(&mut self, tab: &Tab, [width, height]: [u32; 2]) {
         let size = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
@@ -205,11 +213,15 @@ impl Browser {
         faults
     }
 
-    /// Waits until a JavaScript expression is true; panics with what the page shows after [`PATIENCE`]. While a page is loaded it may fail.
+    /// Whether a JavaScript expression is true. It is not while a page goes, which answers with an error.
+    pub fn is(&mut self, tab: &Tab, expression: &str) -> bool {
+        self.evaluate(tab, expression).is_ok_and(|answer| answer["result"]["value"] == json!(true))
+    }
+
+    /// Waits until a JavaScript expression is true; panics with what the page shows after [`PATIENCE`].
     pub fn until(&mut self, tab: &Tab, expression: &str) {
         let until = Instant::now() + PATIENCE;
-        // A page that goes answers with an error.
-        while !self.evaluate(tab, expression).is_ok_and(|answer| answer["result"]["value"] == json!(true)) {
+        while !self.is(tab, expression) {
             if Instant::now() > until {
                 panic!("waited in vain for {expression}: {}", self.value(tab, "document.body.innerText"));
             }

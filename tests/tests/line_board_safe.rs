@@ -253,7 +253,7 @@ fn a_kiosk_comes_in_by_its_link_and_goes_on_after_the_board_was_killed_and_a_rem
     let until = Instant::now() + PATIENCE;
     loop {
         browser.go(&tab, &link);
-        if browser.value(&tab, "document.querySelector('main') !== null") == json!(true) {
+        if browser.is(&tab, "document.querySelector('main') !== null") {
             break;
         }
         assert!(Instant::now() < until, "the link leads nowhere");
@@ -261,7 +261,7 @@ fn a_kiosk_comes_in_by_its_link_and_goes_on_after_the_board_was_killed_and_a_rem
     }
     browser.until(
         &tab,
-        "location.pathname + location.search === '/' && document.querySelector('#view h1') !== null",
+        "location.pathname + location.search === '/' && document.querySelector('#view h1') !== null && typeof hear === 'function'",
     );
     browser.keep(&tab, "kiosk");
     line.role("board").kill();

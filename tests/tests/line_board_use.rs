@@ -115,6 +115,31 @@ fn a_board_that_stood_still_while_a_picture_was_wanted_shows_the_next_one() {
     assert_eq!(line.role("board").ended(), None, "{}", line.log("board"));
 }
 
+#[test]
+fn a_page_that_did_not_get_its_script_or_its_style_is_loaded_again_by_itself() {
+    let mut line = Line::new(Settings::live());
+    let port = free_port();
+    line.reconfigure("[plc]\n", &format!("[board]\nenable = true\nport = {port}\n\n[plc]\n"));
+    let _watcher = line.up();
+    line.start("board");
+    line.wait_for_log("board", "AND-620", "");
+    let mut browser = Browser::start();
+    let tab = browser.open("data:text/html,warm", FULL_HD);
+    let is_whole = "!window.isOld && typeof hear === 'function' && document.getElementById('lost').hidden
+        && getComputedStyle(document.getElementById('lost')).position === 'fixed'";
+    for (part, is_missing) in [
+        ("/board.js", "typeof hear === 'undefined'"),
+        ("/board.css", "getComputedStyle(document.getElementById('lost')).position !== 'fixed'"),
+    ] {
+        browser.block(&tab, &[part]);
+        browser.go(&tab, &format!("http://localhost:{port}/"));
+        browser.until(&tab, &format!("document.querySelector('#view h1') !== null && {is_missing}"));
+        browser.until(&tab, "window.isOld = true");
+        browser.block(&tab, &[]);
+        browser.until(&tab, is_whole);
+    }
+}
+
 /// A network between browsers and a board.
 struct Network {
     port: u16,

@@ -3,22 +3,33 @@
 
 // The server draws the pages. This replaces what is new on them, and says by itself when nothing is heard of the server.
 
+// A page without this loads itself again: what says so comes next, and becomes a comment here. A browser without scripts and one that lost the server
+// before it got this are the same to it.
+document.write("<!--");
+
 /** Three beats of the server: one may be late. */
 const SILENT_MS = 850;
-/** A connection that is silent for so long is made anew: the network may have swallowed it. */
+/** A connection that is silent for so long is made anew: the network may have swallowed it. A page that is not whole is loaded again after as long. */
 const RENEW_MS = 3000;
 const LOOK_MS = 50;
 /** What somebody uses, and what can have the focus. */
 const USED = "[name], [href]";
 const FOCUSED = "a[href], button, select, input:not([type=hidden]), [tabindex]";
 
-const lost = /** @type {HTMLElement} */ (document.getElementById("lost"));
-const elsewhere = /** @type {HTMLElement} */ (document.getElementById("elsewhere"));
-const address = `${document.body.dataset.events}&browser=${browser()}`;
 let heard = performance.now();
 let opened = heard;
+/** Whether the page has its style and its other scripts, as far as they were loaded. */
+let isWhole = true;
 /** @type {EventSource | null} */
 let source = null;
+
+/**
+ * What lies over the page.
+ * @param {"lost" | "elsewhere"} id
+ */
+function over(id) {
+    return /** @type {HTMLElement} */ (document.getElementById(id));
+}
 
 /** The name of this browser. It keeps six connections to one place for all its tabs, so the server limits the feeds of each name. */
 function browser() {
@@ -37,7 +48,7 @@ function watch() {
     if (source || document.hidden) {
         return;
     }
-    elsewhere.hidden = true;
+    over("elsewhere").hidden = true;
     heard = performance.now();
     source = connect();
 }
@@ -45,11 +56,11 @@ function watch() {
 function rest() {
     source?.close();
     source = null;
-    lost.hidden = true;
+    over("lost").hidden = true;
 }
 
 function connect() {
-    const stream = new EventSource(address);
+    const stream = new EventSource(`${document.body.dataset.events}&browser=${browser()}`);
     opened = performance.now();
     stream.addEventListener("alive", hear);
     stream.addEventListener("show", (message) => {
@@ -58,7 +69,7 @@ function connect() {
     });
     stream.addEventListener("elsewhere", () => {
         rest();
-        elsewhere.hidden = false;
+        over("elsewhere").hidden = false;
     });
     // Who looks may not see this any more: the board says so to a page that is loaded.
     stream.addEventListener("again", () => location.reload());
@@ -67,7 +78,10 @@ function connect() {
 
 function hear() {
     heard = performance.now();
-    lost.hidden = true;
+    over("lost").hidden = true;
+    if (!isWhole && heard > RENEW_MS) {
+        location.reload();
+    }
 }
 
 /** @param {string} drawn elements of the page, each with its id */
@@ -184,7 +198,7 @@ function look() {
         return;
     }
     const now = performance.now();
-    lost.hidden = now - heard < SILENT_MS;
+    over("lost").hidden = now - heard < SILENT_MS;
     const isSilent = now - Math.max(heard, opened) > RENEW_MS;
     const isRefused = source.readyState === EventSource.CLOSED && now - opened > 1000;
     if (isSilent || isRefused) {
@@ -193,15 +207,17 @@ function look() {
     }
 }
 
-const picture = /** @type {HTMLImageElement | null} */ (document.getElementById("picture"));
 /** Between two pictures: a hand is followed, and the line has better things to do. */
 const PICTURE_MS = 150;
 const NO_PICTURE_MS = 1000;
 let pictures = 0;
 
-/** The next picture is asked for when this one is shown, so that a slow browser gets fewer and none too late. */
-function see() {
-    if (picture && !document.hidden) {
+/**
+ * The next picture is asked for when this one is shown, so that a slow browser gets fewer and none too late.
+ * @param {HTMLImageElement} picture
+ */
+function see(picture) {
+    if (!document.hidden) {
         const next = new URL(picture.src);
         // What has the same address is not loaded again.
         next.searchParams.set("picture", String(++pictures));
@@ -209,24 +225,39 @@ function see() {
     }
 }
 
-if (picture) {
+/** @param {HTMLImageElement} picture */
+function keepSeeing(picture) {
     const alt = picture.alt;
+    const again = () => see(picture);
     picture.addEventListener("load", () => {
         picture.alt = alt;
-        setTimeout(see, PICTURE_MS);
+        setTimeout(again, PICTURE_MS);
     });
     picture.addEventListener("error", () => {
         picture.alt = picture.dataset.none ?? "";
-        setTimeout(see, NO_PICTURE_MS);
+        setTimeout(again, NO_PICTURE_MS);
     });
-    document.addEventListener("visibilitychange", see);
-    see();
+    document.addEventListener("visibilitychange", again);
+    again();
 }
 
-// A page that nobody sees gives its connection back. One that made way for another watches again once somebody turns to it.
-document.addEventListener("visibilitychange", () => (document.hidden ? rest() : watch()));
-for (const turned of ["focus", "pointerdown", "keydown"]) {
-    addEventListener(turned, watch);
-}
-watch();
-setInterval(look, LOOK_MS);
+addEventListener(
+    "error",
+    ({ target }) => {
+        isWhole &&= !(target instanceof HTMLLinkElement || target instanceof HTMLScriptElement);
+    },
+    true,
+);
+document.addEventListener("DOMContentLoaded", () => {
+    // A page that nobody sees gives its connection back. One that made way for another watches again once somebody turns to it.
+    document.addEventListener("visibilitychange", () => (document.hidden ? rest() : watch()));
+    for (const turned of ["focus", "pointerdown", "keydown"]) {
+        addEventListener(turned, watch);
+    }
+    const picture = document.getElementById("picture");
+    if (picture instanceof HTMLImageElement) {
+        keepSeeing(picture);
+    }
+    watch();
+    setInterval(look, LOOK_MS);
+});

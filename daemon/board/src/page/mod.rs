@@ -55,18 +55,12 @@ pub(crate) fn whole(
     html.raw("<!DOCTYPE html><html lang=\"").text(lang).raw("\"><head><meta charset=\"utf-8\">");
     html.raw("<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>");
     html.text(words.say("label.board")).raw(" ").text(&board.settings.station).raw("</title>");
-    html.raw("<link rel=\"stylesheet\" href=\"/board.css\"><script src=\"/board.js\" defer></script>");
-    // A browser without scripts loads the page again: what is read from far soon, what is read from near seldom.
-    html.raw(match address.page {
-        Page::Worker => "<noscript><meta http-equiv=\"refresh\" content=\"3\"></noscript>",
-        Page::Technician => "<noscript><meta http-equiv=\"refresh\" content=\"30\"></noscript>",
-        Page::Event => "<script src=\"/player.js\" defer></script>",
-        // Nobody loses what they are typing: only while a task runs.
-        Page::Engineer | Page::Job if engineer::is_running(board) => {
-            "<noscript><meta http-equiv=\"refresh\" content=\"5\"></noscript>"
-        }
-        Page::Explain | Page::Engineer | Page::Job | Page::Look => "",
-    });
+    // What follows the script is for a page that did not get it: there it is a comment.
+    html.raw("<script src=\"/board.js\"></script>").raw(again(board, address.page)).raw("<!-- -->");
+    html.raw("<link rel=\"stylesheet\" href=\"/board.css\">");
+    if address.page == Page::Event {
+        html.raw("<script src=\"/player.js\" defer></script>");
+    }
     if address.page == Page::Worker && address.sound == "on" {
         html.raw("<script src=\"/sound.js\" defer></script>");
     }
@@ -88,6 +82,19 @@ pub(crate) fn whole(
     links(&mut html, board, (lang, words), address, visitor);
     html.raw("</body></html>\n");
     html.finish()
+}
+
+/// How a page without its script is loaded again: what is read from far soon, what is read from near seldom. Nobody loses what they are typing: those
+/// to type in only while a task runs.
+fn again(board: &Board, page: Page) -> &'static str {
+    match page {
+        Page::Worker => "<meta http-equiv=\"refresh\" content=\"3\">",
+        Page::Technician => "<meta http-equiv=\"refresh\" content=\"30\">",
+        Page::Engineer | Page::Job if engineer::is_running(board) => {
+            "<meta http-equiv=\"refresh\" content=\"5\">"
+        }
+        Page::Event | Page::Explain | Page::Engineer | Page::Job | Page::Look => "",
+    }
 }
 
 /// What a page shows by itself once it does not hear the board.
