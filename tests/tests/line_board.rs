@@ -60,6 +60,16 @@ const OBSERVE: &str = "
     }).observe(document.body, { subtree: true, childList: true });
     true";
 
+/// When each row of the technician's list came, in milliseconds since 1970.
+const OBSERVE_ROWS: &str = "
+    window.came = {};
+    new MutationObserver(() => {
+        for (const { id } of document.querySelectorAll('#events tbody tr')) {
+            window.came[id] ??= performance.timeOrigin + performance.now();
+        }
+    }).observe(document.body, { subtree: true, childList: true });
+    true";
+
 #[test]
 fn a_fault_on_a_film_a_board_that_is_killed_and_a_dead_line_are_said_and_the_page_comes_back_by_itself() {
     let mut line = Line::with_film("speed = \"file\"", "", &["-i", "p1_J1_r1.mp4"]);
@@ -74,6 +84,8 @@ fn a_fault_on_a_film_a_board_that_is_killed_and_a_dead_line_are_said_and_the_pag
     browser.go(&tab, &format!("http://localhost:{port}/?lang=de"));
     browser.until(&tab, &says(&["STARTET"]));
     assert_eq!(browser.value(&tab, OBSERVE), json!(true));
+    let list = browser.open(&format!("http://localhost:{port}/technician"), FULL_HD);
+    assert_eq!(browser.value(&list, OBSERVE_ROWS), json!(true));
     line.start_all_but(&["steward"]);
     line.start("capture");
 
@@ -86,10 +98,14 @@ fn a_fault_on_a_film_a_board_that_is_killed_and_a_dead_line_are_said_and_the_pag
     browser.keep(&tab, "worker-fault");
     // How long it took is a measurement, and no test asserts it.
     watcher.until("the fault", |watcher| watcher.verdicts.iter().any(|verdict| verdict.outcome == 2));
-    let decided_ns = watcher.verdicts.iter().find(|verdict| verdict.outcome == 2).unwrap().decided_utc_ns;
+    let fault = watcher.verdicts.iter().find(|verdict| verdict.outcome == 2).unwrap();
+    let (decided_ns, row) = (fault.decided_utc_ns, format!("window.came['e{}']", fault.stamp.id()));
     let shown =
         browser.value(&tab, "window.words.find(({ word }) => word === 'FEHLER').at").as_f64().unwrap();
     println!("the fault was shown {:.1} ms after it was decided", shown - decided_ns as f64 / 1e6);
+    browser.until(&list, &format!("{row} > 0"));
+    let listed = browser.value(&list, &row).as_f64().unwrap();
+    println!("and was in the technician's list after {:.1} ms", listed - decided_ns as f64 / 1e6);
 
     line.role("board").kill();
     browser.until(&tab, IS_LOST);

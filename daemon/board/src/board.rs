@@ -23,7 +23,7 @@ use crate::pieces::Pieces;
 use crate::shift::Shift;
 use crate::told::fault_key;
 use crate::viewers::Viewers;
-use crate::watchers::Watchers;
+use crate::watchers::{Version, Watchers};
 use crate::words::{Table, Tables};
 
 /// Events that are kept to be looked at: a busy shift has fewer faults. `andond history` has all.
@@ -128,6 +128,8 @@ pub struct Board {
     pub(crate) viewers: Viewers,
     /// Changes with whatever a page may show.
     pub(crate) version: u64,
+    /// Changes with what somebody waits for: verdicts, what is said of them, and the state of the line.
+    pub(crate) news: u64,
     /// When somebody asked for the list of events.
     pub(crate) asked_ns: Option<u64>,
     /// CLOCK_MONOTONIC.
@@ -161,6 +163,7 @@ impl Board {
             watchers: Watchers::default(),
             viewers: Viewers::default(),
             version: 0,
+            news: 0,
             asked_ns: None,
             now_ns: 0,
         }
@@ -227,6 +230,7 @@ impl Board {
     fn keep(&mut self, verdict: &Verdict) {
         let id = verdict.stamp.id();
         if Self::keeps(verdict) && !self.events.iter().any(|event| event.stamp.id() == id) {
+            self.news += 1;
             self.pieces.count(verdict);
             self.shift.take(verdict);
             self.events.truncate(EVENTS - 1);
@@ -247,6 +251,7 @@ impl Board {
             self.shift.watch(!matches!(line, Line::Stopped(_)));
             (self.line, self.cause) = (line, cause.to_owned());
             self.version += 1;
+            self.news += 1;
         }
     }
 
@@ -297,10 +302,14 @@ impl Board {
     pub fn publish(&mut self, now_ns: u64) {
         let before = page::state(self);
         self.now_ns = now_ns;
-        self.version += u64::from(page::state(self) != before);
+        let is_another = u64::from(page::state(self) != before);
+        self.version += is_another;
+        self.news += is_another;
         let mut watchers = std::mem::take(&mut self.watchers);
         watchers.cut(|pass| !self.access.lasts(pass, now_ns));
-        watchers.tell(self.version, now_ns, |address| page::view(self, address));
+        watchers.tell(Version { all: self.version, news: self.news }, now_ns, |address| {
+            page::view(self, address)
+        });
         self.watchers = watchers;
         self.viewers.give_up(now_ns);
     }

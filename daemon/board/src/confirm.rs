@@ -80,5 +80,6 @@ impl Board {
         }
         self.confirmations.0.insert(verdict, (was, who.to_owned()));
         self.version += 1;
+        self.news += 1;
     }
 }
