@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use andon_host::atomic;
 use andon_host::config::Config;
 use andon_learn::digest::sha256_hex;
 use andon_learn::job_file::JobFile;
@@ -43,9 +44,7 @@ impl Made {
         // Others may have files in the folder itself.
         let [_folder, folders @ .., _jobs] = self.folders();
         let calibration = Some(self.calibration()).filter(|path| path.is_file());
-        // What begins with a dot is being written.
-        let is_whole = |path: &PathBuf| named(path).is_some_and(|name| !name.starts_with('.'));
-        let kept = folders.iter().flat_map(|folder| files(folder)).filter(is_whole);
+        let kept = folders.iter().flat_map(|folder| files(folder)).filter(|path| atomic::is_named(path));
         kept.chain(calibration).collect()
     }
 

@@ -78,6 +78,22 @@ pub fn put(part: TempPath, path: &Path) -> io::Result<()> {
     File::open(folder_of(path))?.sync_all()
 }
 
+/// Removes a file, also from the disk: it does not come back after a loss of power. One that is not there is removed.
+///
+/// # Errors
+/// What the system says.
+pub fn remove(path: &Path) -> io::Result<()> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        removed => removed.and_then(|()| File::open(folder_of(path))?.sync_all()),
+    }
+}
+
+/// Whether a file has a name that others look for: what [`staged`] and [`beside`] make begins with a dot until it is finished.
+pub fn is_named(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| !name.as_encoded_bytes().starts_with(b"."))
+}
+
 /// The folder that a path names; that of the process for a mere file name.
 pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
@@ -114,6 +130,19 @@ mod tests {
         std::fs::create_dir(second.parent().unwrap()).unwrap();
         write_together(&[(&first, b"a"), (&second, b"b")]).unwrap();
         assert_eq!([first, second].map(|path| std::fs::read_to_string(path).unwrap()), ["a", "b"]);
+    }
+
+    #[test]
+    fn what_is_being_written_has_no_name_that_anybody_looks_for_and_what_is_removed_is_gone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("job.toml");
+        let part = staged(&path, b"new").unwrap();
+        assert!(!is_named(part.path()) && is_named(&path));
+        put(part.into_temp_path(), &path).unwrap();
+        remove(&path).unwrap();
+        assert!(!path.exists());
+        remove(&path).unwrap();
+        assert!(remove(folder.path()).is_err());
     }
 
     #[test]

@@ -178,11 +178,8 @@ impl Search {
 /// The job files of a folder. It is listed in no order; what is logged should have one.
 pub(crate) fn job_files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let paths = std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path()));
-    // What begins with a dot is being written.
-    let is_whole =
-        |path: &PathBuf| path.file_name().is_some_and(|name| !name.as_encoded_bytes().starts_with(b"."));
-    let is_job =
-        |path: &PathBuf| path.extension().is_some_and(|extension| extension == "toml") && is_whole(path);
+    let is_toml = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "toml");
+    let is_job = |path: &PathBuf| is_toml(path) && atomic::is_named(path);
     let mut paths: Vec<PathBuf> =
         paths.filter(|path| path.as_ref().map_or(true, is_job)).collect::<std::io::Result<_>>()?;
     paths.sort();

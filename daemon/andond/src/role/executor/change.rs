@@ -6,9 +6,8 @@ use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-use andon_host::atomic::{self, folder_of};
+use andon_host::atomic;
 use andon_host::log::{code, log};
-use andon_record::store;
 use serde::{Deserialize, Serialize};
 
 /// One change.
@@ -166,8 +165,7 @@ impl Before {
 
     /// Removes the note, also from the disk: one that comes back after a loss of power would undo what was done.
     fn forget(&self) {
-        let sync = || fs::File::open(folder_of(&self.note))?.sync_all();
-        if let Err(error) = store::remove_file(&self.note).and_then(|()| sync()) {
+        if let Err(error) = atomic::remove(&self.note) {
             log!(code::EXECUTOR_CANNOT_WRITE, "{}: {error}", self.note.display());
         }
     }
