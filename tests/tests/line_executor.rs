@@ -346,6 +346,33 @@ fn what_a_killed_role_has_changed_for_its_task_is_put_back_at_its_next_start_unl
 }
 
 #[test]
+fn a_job_that_the_line_has_loaded_stays_although_the_role_is_killed_before_it_hears_of_it() {
+    let mut line = station();
+    let mut watcher = line.launch();
+    line.start("executor");
+    line.wait_for_log("executor", "AND-629", "");
+    let mut board = Board::new(&line);
+    let (path, version) = (line.path("jobs/polish.toml"), job(&line.path("job.toml")));
+    let hash = format!("{:016x}", version.model_hash());
+    fs::write(line.path(&format!("made/versions/polish.{hash}.toml")), version.to_toml()).unwrap();
+    fs::write(&path, "as it was").unwrap();
+    let back = board.order(TaskKind::RollBack, "polish", &hash);
+    assert_eq!(board.hears(back).0, PrintedState::Begun);
+    line.role("executor").signal(Signal::STOP);
+    watcher.until("the job", |watcher| {
+        watcher.judging.is_some_and(|judging| judging.model_hash == version.model_hash())
+    });
+    let until = Instant::now() + PATIENCE;
+    while !running(&line, "use").is_empty() {
+        assert!(Instant::now() < until, "the command does not end");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    line.role("executor").kill();
+    start_again(&mut line, &mut watcher);
+    assert_eq!(fs::read_to_string(&path).unwrap(), version.to_toml());
+}
+
+#[test]
 fn an_order_that_comes_after_the_page_has_said_that_nobody_does_it_is_not_done() {
     let mut line = station();
     let _watcher = line.launch();

@@ -222,6 +222,9 @@ pub struct Use {
     /// Wait until no job is running, for so many seconds at most
     #[arg(long, value_name = "SECONDS")]
     pub when_idle: Option<u32>,
+    /// A file that is removed, also from the disk, once the job is in force and before that is said. The role executor notes there what is to be put back
+    #[arg(long, value_name = "FILE", hide = true)]
+    pub forget: Option<PathBuf>,
 }
 
 /// `andond name`

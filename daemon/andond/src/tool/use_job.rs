@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use andon_host::atomic;
 use andon_host::exit::Code;
 use shm_schemas::{CommandKind, Refusal};
 
@@ -45,6 +46,12 @@ pub fn run(arguments: &Use) -> Result<Code, ToolError> {
     };
     match answer {
         Some((Refusal::None, judging)) => {
+            // What is said to be in force stays, whatever becomes of the role that has ordered it.
+            if let Some(note) = &arguments.forget
+                && let Err(error) = atomic::remove(note)
+            {
+                eprintln!("{}: {error}", note.display());
+            }
             println!(
                 "job {id} {name:?} of hash {hash:016x} is in force until another is loaded or the station ends"
             );

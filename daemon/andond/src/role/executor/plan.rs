@@ -106,7 +106,10 @@ pub(super) fn of(kind: TaskKind, task: &Task, config: &Config) -> Result<Plan, S
         TaskKind::Load => vec![desk.load(desk.known_job()?)],
         TaskKind::RollBack => {
             let job = desk.put_back()?;
-            vec![desk.load(job)]
+            let mut load = desk.load(job);
+            // Once it is in force, nothing is put back.
+            load.arguments.extend(["--forget".into(), desk.made.unfinished().into()]);
+            vec![load]
         }
         TaskKind::Name => {
             let names = task.text().lines().map(OsString::from);
