@@ -15,6 +15,7 @@
 //! | `audit` | [`Audit`] |
 //! | `task` | [`Task`] |
 //! | `printed` | [`Printed`] |
+//! | `film` | [`FilmPiece`] |
 //!
 //! Every message begins with a [`Stamp`]. Every type has a [`Layout`]: a hash of the names, types and offsets of its fields.
 //! It is an attribute of the service, so that two builds which disagree never exchange messages.
@@ -33,6 +34,7 @@ mod columns;
 mod command;
 mod couples;
 mod detections;
+mod film;
 mod frame;
 mod health;
 mod judging;
@@ -51,6 +53,7 @@ pub use columns::{COLUMNS, Column, Value};
 pub use command::{Command, CommandKind, CommandSource};
 pub use couples::{Couples, HandCouple};
 pub use detections::{Detections, HandDetection, LANDMARKS, ObjectDetection};
+pub use film::{FILM_BYTES, FilmPiece, PIECE_BYTES};
 pub use frame::{ColourFormat, DepthFormat, Distortion, Extrinsics, FrameHeader, Intrinsics};
 pub use health::{Health, RoleId, RoleState, Sight};
 pub use judging::{JudgePhase, Judging, Refusal};

@@ -58,6 +58,8 @@ codes! {
         Calibrate = 13 as "calibrate",
         /// Write the file of a new station, which `name` names. The lines of `text` are its camera, which may be empty, and its parts.
         New = 14 as "new",
+        /// Keep a piece of a recording: it comes over the channel `film`, and this is what is printed of it.
+        Film = 15 as "film",
     }
 }
 

@@ -158,6 +158,14 @@ impl Browser {
         self.ask(Some(tab), "Input.insertText", json!({"text": text}));
     }
 
+    /// Chooses a file in the input that this selector finds, as a person does in a window of the browser.
+    pub fn choose(&mut self, tab: &Tab, selector: &str, file: &std::path::Path) {
+        let input = json!({"expression": format!("document.querySelector({})", json!(selector))});
+        let mut input = self.ask(Some(tab), "Runtime.evaluate", input);
+        let chosen = json!({"files": [file], "objectId": input["result"]["objectId"].take()});
+        self.ask(Some(tab), "DOM.setFileInputFiles", chosen);
+    }
+
     /// Goes on by the Tab key until what has the focus makes a JavaScript expression true.
     pub fn tab_to(&mut self, tab: &Tab, expression: &str) {
         for _ in 0..500 {

@@ -2,10 +2,13 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_ipc::{Node, Reader, Writer};
+use andon_learn::digest::sha256_hex;
 use andon_learn::job_file::JobFile;
 use andon_tests::line::{Line, PATIENCE, Settings, Watcher, save_runs, stand_in};
 use rustix::process::{Pid, Signal, kill_process};
-use shm_schemas::{Printed, PrintedState, RoleId, Showing, TASK_LATE_NS, Task, TaskKind, task_flag};
+use shm_schemas::{
+    FilmPiece, PIECE_BYTES, Printed, PrintedState, RoleId, Showing, TASK_LATE_NS, Task, TaskKind, task_flag,
+};
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -146,6 +149,11 @@ fn a_job_is_taught_named_loaded_taught_again_and_rolled_back_by_orders_and_the_j
     assert!(fs::read_to_string(line.path("made/reports/polish.html")).unwrap().contains("Job "));
     let first = job(&path);
     assert_eq!(first.provenance.sources.len(), 5);
+    let report = |of: &JobFile| {
+        fs::read(line.path(&format!("made/reports/polish.{:016x}.html", of.model_hash()))).unwrap()
+    };
+    let first_report = report(&first);
+    assert_eq!(first_report, fs::read(line.path("made/reports/polish.html")).unwrap());
 
     let name = board.order(TaskKind::Name, "polish", "Polish the brick\nMeasure $(it)");
     assert_eq!(board.ends(name).0, PrintedState::Done);
@@ -171,6 +179,8 @@ fn a_job_is_taught_named_loaded_taught_again_and_rolled_back_by_orders_and_the_j
     assert_eq!(state, PrintedState::Done, "{said}");
     let second = job(&path);
     assert_ne!(second.model_hash(), first.model_hash());
+    assert_ne!(report(&second), first_report);
+    assert_eq!(report(&first), first_report, "each version has its own");
     assert_eq!(second.step_names, ["Polish the brick", "Measure $(it)"]);
     let back = board.order(TaskKind::RollBack, "polish", &format!("{:016x}", first.model_hash()));
     let (state, said) = board.ends(back);
@@ -370,6 +380,70 @@ fn a_job_that_the_line_has_loaded_stays_although_the_role_is_killed_before_it_he
     line.role("executor").kill();
     start_again(&mut line, &mut watcher);
     assert_eq!(fs::read_to_string(&path).unwrap(), version.to_toml());
+}
+
+#[test]
+fn a_recording_that_is_sent_has_its_name_once_it_is_whole_and_the_journal_has_who_sent_it_and_its_hash() {
+    let mut line = station();
+    let mut watcher = line.launch();
+    line.start("executor");
+    line.wait_for_log("executor", "AND-629", "");
+    let mut board = Board::new(&line);
+    let mut pieces = board.node.writer::<FilmPiece>().unwrap();
+    pieces.follow(&[RoleId::Executor]);
+    let mut send = |board: &mut Board, name: &str, [film, at, size]: [u64; 3], bytes: &[u8]| {
+        board.node.wait_for_room(&mut pieces, PATIENCE).unwrap();
+        board.ordered += 1;
+        let mut piece = pieces.loan().unwrap();
+        (piece.task, piece.film, piece.at, piece.size) = (board.ordered, film, at, size);
+        assert!(piece.say("eva", name) && piece.carry(bytes));
+        pieces.send(piece).unwrap();
+        board.ends(board.ordered)
+    };
+    let folder = line.path("made/films");
+    let films = || {
+        let entries = fs::read_dir(&folder).unwrap().flatten();
+        let mut names: Vec<_> = entries.map(|entry| entry.file_name().into_string().unwrap()).collect();
+        names.retain(|name| !name.ends_with(".tracks.jsonl"));
+        names.sort();
+        names
+    };
+    let film: Vec<u8> = (0..100_000_u32).map(|byte| (byte / 3) as u8).collect();
+    let size = film.len() as u64;
+    for (number, piece) in (0..).zip(film.chunks(PIECE_BYTES)) {
+        assert!(!films().contains(&"run1.mp4".to_owned()));
+        let (state, why) = send(&mut board, "run1.mp4", [7, number * PIECE_BYTES as u64, size], piece);
+        assert_eq!(state, PrintedState::Done, "{why}");
+    }
+    assert_eq!(fs::read(line.path("made/films/run1.mp4")).unwrap(), film);
+    let row = format!("film run1.mp4: done, {size} bytes with the SHA-256 {}", sha256_hex(&film));
+    assert!(audit(&line, &row).lines().any(|kept| kept.contains("login eva") && kept.contains(&row)));
+
+    for (name, [film, at, size], why) in [
+        ("../jobs/polish.toml", [8, 0, 9], "a recording has a name"),
+        ("run1.mp4", [8, 0, 9], "there is a recording run1.mp4 already"),
+        ("run2.mp4", [8, 0, u64::MAX], "512 MB at most"),
+        ("run2.mp4", [8, 9, 18], "not being sent any more"),
+        ("run2.mp4", [8, 0, 3], "longer than was said"),
+    ] {
+        let (state, said) = send(&mut board, name, [film, at, size], b"recording");
+        assert!(state == PrintedState::Refused && said.contains(why), "{said}");
+    }
+    assert_eq!(films(), ["run1.mp4"]);
+    audit(&line, "film ../jobs/polish.toml: refused, because a recording has a name");
+
+    // One at a time; and what is broken off, or was being sent when the role was killed, leaves nothing behind.
+    assert_eq!(send(&mut board, "run2.mp4", [9, 0, 18], b"recording").0, PrintedState::Done);
+    let (state, why) = send(&mut board, "run3.mp4", [10, 0, 18], b"recording");
+    assert!(state == PrintedState::Refused && why.contains("eva is just sending run2.mp4"), "{why}");
+    assert_eq!(send(&mut board, "run2.mp4", [9, 0, 0], b"").0, PrintedState::Stopped);
+    audit(&line, "film run2.mp4: stopped");
+    assert_eq!(films(), ["run1.mp4"]);
+    assert_eq!(send(&mut board, "run2.mp4", [11, 0, 18], b"recording").0, PrintedState::Done);
+    assert_eq!(films().len(), 2);
+    line.role("executor").kill();
+    start_again(&mut line, &mut watcher);
+    assert_eq!(films(), ["run1.mp4"]);
 }
 
 #[test]

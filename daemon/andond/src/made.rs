@@ -80,6 +80,11 @@ impl Made {
         self.folder.join("reports").join(format!("{job}.html"))
     }
 
+    /// The report of the teaching that made this version of a job.
+    pub(crate) fn report_of(&self, job: &str, hash: &str) -> PathBuf {
+        self.report(&format!("{job}.{hash}"))
+    }
+
     /// The folder of the markers.
     pub(crate) fn markers(&self) -> PathBuf {
         self.folder.join("markers")

@@ -73,8 +73,8 @@ pub(crate) struct Address {
     pub(crate) may_confirm: bool,
 }
 
-/// No language, fault or event has a longer name. Every row of a list repeats the values in its link.
-const LONGEST: usize = 64;
+/// No language, fault or event has a longer name, nor has a job with one of its versions. Every row of a list repeats the values in its link.
+const LONGEST: usize = 80;
 
 /// What values are made of; any other value is ignored.
 pub(crate) fn is_plain(value: &str) -> bool {

@@ -21,6 +21,7 @@ const STYLE: &str = include_str!("page/board.css");
 const SCRIPT: &str = include_str!("page/board.js");
 const SOUND: &str = include_str!("page/sound.js");
 const PLAYER: &str = include_str!("page/player.js");
+const UPLOAD: &str = include_str!("page/upload.js");
 
 /// Nothing comes from anywhere else, nothing of it goes to another site, and no browser keeps it. A browser says where a form comes from only where
 /// the policy of the referrer lets it say so to the board itself.
@@ -86,6 +87,7 @@ impl Board {
             Place::Script => Response::ok(JAVASCRIPT, SCRIPT),
             Place::Sound => Response::ok(JAVASCRIPT, SOUND),
             Place::Player => Response::ok(JAVASCRIPT, PLAYER),
+            Place::Upload => Response::ok(JAVASCRIPT, UPLOAD),
             Place::Film => self.of_film(request, visitor),
             Place::Step => match self.job.picture_at(&request.path) {
                 Some(jpeg) if self.settings.picture => Response::ok("image/jpeg", jpeg),

@@ -66,6 +66,8 @@ pub struct KnownJob {
 pub struct Measured {
     /// The step, from 0.
     pub step: u16,
+    /// The IU in the step, from 0.
+    pub iu: u16,
     /// Which measure.
     pub measure: VerdictMeasure,
     /// What each run measured, sorted.
@@ -85,12 +87,14 @@ pub struct Version {
     pub runs: usize,
     /// How many steps it has.
     pub steps: usize,
+    /// Whether there is the report of the teaching that made it.
+    pub has_report: bool,
 }
 
 /// A file that a command has made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MadeFile {
-    /// The report of the last teaching of this job, as a page with its style apart.
+    /// The report of the last teaching of this job, or with a dot and its hash of one of its versions, as a page with its style apart.
     Report(String),
     /// The style of that page.
     Style(String),
@@ -201,7 +205,9 @@ impl Desk {
             running.into_iter().for_each(|shown| shown.state = PrintedState::Failed);
         }
         // Whoever has ordered these is told so.
-        if matches!(kind, TaskKind::Answer | TaskKind::Stop) || state == PrintedState::Refused {
+        if matches!(kind, TaskKind::Answer | TaskKind::Stop | TaskKind::Film)
+            || state == PrintedState::Refused
+        {
             return;
         }
         let is_known = self.shown.as_ref().is_some_and(|shown| shown.number == printed.task);

@@ -1,13 +1,14 @@
 //! What an engineer orders on the board. The role sends it to the line, and says what became of it.
 
 use andon_http::{Later, Response};
-use shm_schemas::{Showing, TASK_NAME_BYTES, TASK_TEXT_BYTES, TaskKind, task_flag};
+use shm_schemas::{PIECE_BYTES, Showing, TASK_NAME_BYTES, TASK_TEXT_BYTES, TaskKind, task_flag};
 
 use crate::access::Visitor;
 use crate::address::Address;
 use crate::answer::HTML;
 use crate::board::Board;
 use crate::form::Form;
+use crate::letters;
 use crate::page;
 
 /// Orders that wait for the line.
@@ -28,8 +29,31 @@ pub struct Order {
     pub flags: u8,
     /// What an answer answers.
     pub showing: Option<Showing>,
+    /// Of a recording that is sent: a piece of it.
+    pub piece: Option<Piece>,
     address: Address,
     later: Later,
+}
+
+/// A piece of a recording. One without bytes, of a recording of no size, breaks it off.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Piece {
+    /// The number that the browser has given the recording.
+    pub film: u64,
+    /// How many bytes of it come before.
+    pub at: u64,
+    /// Bytes of the whole.
+    pub size: u64,
+    /// The bytes of this piece, [`PIECE_BYTES`] at most.
+    pub bytes: Vec<u8>,
+}
+
+impl Piece {
+    fn read(form: &Form) -> Option<Self> {
+        let number = |key| form.get(key).parse().ok();
+        let bytes = letters::bytes(form.get("piece")).filter(|bytes| bytes.len() <= PIECE_BYTES)?;
+        Some(Self { film: number("film")?, at: number("at")?, size: number("size")?, bytes })
+    }
 }
 
 /// What became of an order.
@@ -60,6 +84,7 @@ struct Asked {
     text: String,
     flags: u8,
     showing: Option<Showing>,
+    piece: Option<Piece>,
 }
 
 impl Asked {
@@ -69,7 +94,14 @@ impl Asked {
         }
         let lines = |key| form.all(key).collect::<Vec<_>>().join("\n");
         let job = || form.get("job").to_owned();
-        let of = |kind, name: String, text: String| Self { kind, name, text, flags: 0, showing: None };
+        let of = |kind, name: String, text: String| Self {
+            kind,
+            name,
+            text,
+            flags: 0,
+            showing: None,
+            piece: None,
+        };
         let mut asked = match form.get("do") {
             "live" => of(TaskKind::TeachLive, job(), form.get("count").to_owned()),
             "films" => of(TaskKind::TeachFilms, job(), lines("film")),
@@ -84,6 +116,10 @@ impl Asked {
             "new" => {
                 let text = format!("{}\n{}", form.get("camera"), lines("part"));
                 of(TaskKind::New, form.get("station").to_owned(), text)
+            }
+            "film" => {
+                let piece = Piece::read(form).ok_or(NoOrder::Nothing)?;
+                Self { piece: Some(piece), ..of(TaskKind::Film, form.get("name").to_owned(), String::new()) }
             }
             "stop" => of(TaskKind::Stop, String::new(), String::new()),
             "" => Self::of_button(form).ok_or(NoOrder::Nothing)?,
@@ -119,11 +155,12 @@ impl Asked {
                 text: text.to_owned(),
                 flags: 0,
                 showing: None,
+                piece: None,
             });
         }
         let showing = Showing::ALL.iter().copied().find(|showing| showing.name() == name)?;
         let (name, text) = (String::new(), text.to_owned());
-        Some(Self { kind, name, text, flags: 0, showing: Some(showing) })
+        Some(Self { kind, name, text, flags: 0, showing: Some(showing), piece: None })
     }
 }
 
@@ -144,9 +181,9 @@ impl Board {
             return Response::text(503, "too many orders wait; try again\n");
         }
         let (response, later) = Response::later();
-        let Asked { kind, name, text, flags, showing } = asked;
+        let Asked { kind, name, text, flags, showing, piece } = asked;
         let login = session.login.name.clone();
-        self.desk.orders.push(Order { login, kind, name, text, flags, showing, address, later });
+        self.desk.orders.push(Order { login, kind, name, text, flags, showing, piece, address, later });
         response
     }
 
@@ -157,7 +194,15 @@ impl Board {
 
     /// Tells who has ordered it what became of it.
     pub fn answer_order(&mut self, order: Order, ordered: &Ordered) {
-        let Order { address, later, .. } = order;
+        let Order { address, later, piece, .. } = order;
+        if piece.is_some() {
+            // A script reads it.
+            return later.send(match ordered {
+                Ordered::Taken => Response::text(200, ""),
+                Ordered::Refused(why) => Response::text(409, why),
+                Ordered::Unheard => Response::text(503, "the role executor does not answer\n"),
+            });
+        }
         let told = |key, status, why: &str| {
             Response::ok(HTML, page::notice(self, &address, key, why)).with_status(status)
         };

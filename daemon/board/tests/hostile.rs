@@ -367,6 +367,7 @@ fn every_answer_forbids_whatever_the_pages_do_not_need() {
             "/board.css",
             "/board.js",
             "/player.js",
+            "/upload.js",
             "/sound.js",
             "/nothing",
         ] {

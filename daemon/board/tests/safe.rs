@@ -16,7 +16,7 @@ use answer::{cookie, header, status};
 use beside::{PATIENCE, until};
 use plant::{Plant, fault, served, served_at};
 
-const ADDRESSES: [&str; 24] = [
+const ADDRESSES: [&str; 25] = [
     "/",
     "/technician",
     "/step/0000000000000007-1.jpg",
@@ -32,6 +32,7 @@ const ADDRESSES: [&str; 24] = [
     "/board.js",
     "/sound.js",
     "/player.js",
+    "/upload.js",
     "/login",
     "/kiosk",
     "/logout",
@@ -90,6 +91,7 @@ fn each_rank_gets_what_the_table_says_and_nothing_else() {
             [200, 200, 200, 200, 200],
             [200, 200, 200, 200, 200],
             [200, 200, 200, 200, 200],
+            [200, 200, 200, 200, 200],
             [403, 403, 403, 403, 403],
             [405, 405, 405, 405, 405],
             [405, 405, 405, 405, 405],
@@ -119,11 +121,12 @@ fn each_rank_gets_what_the_table_says_and_nothing_else() {
             }
         }
         // What shows nothing of the station is the same for all.
-        for address in ["/login", "/board.css", "/board.js", "/sound.js", "/player.js"] {
+        for address in ["/login", "/board.css", "/board.js", "/sound.js", "/player.js", "/upload.js"] {
             let answer = plant.get(address, "");
             assert!(!answer.contains("bench1") && !answer.contains("WrongObject"), "{answer}");
         }
         for (address, expected) in ADDRESSES.into_iter().zip([
+            [405; 5],
             [405; 5],
             [405; 5],
             [405; 5],

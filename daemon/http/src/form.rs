@@ -10,8 +10,8 @@ use tokio::time::timeout;
 use super::Response;
 use super::connection::REQUEST;
 
-/// The longest form. One of the board that names twenty steps in letters of three bytes each has 11 KiB.
-pub(super) const FORM_BYTES: usize = 32 << 10;
+/// The longest form: a piece of a recording has 64 KiB, with what it is a piece of. One that names twenty steps in letters of three bytes each has 11.
+pub(super) const FORM_BYTES: usize = 68 << 10;
 
 const FORM: &str = "application/x-www-form-urlencoded";
 

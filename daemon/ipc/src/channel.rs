@@ -1,8 +1,8 @@
 //! The channels of a station and their quality of service.
 
 use shm_schemas::{
-    AccountKept, AccountUpdate, Audit, Command, Couples, Detections, FrameHeader, Health, Journalled,
-    Judging, Layout, Message, Printed, Task, Verdict,
+    AccountKept, AccountUpdate, Audit, Command, Couples, Detections, FilmPiece, FrameHeader, Health,
+    Journalled, Judging, Layout, Message, Printed, Task, Verdict,
 };
 use std::fmt;
 
@@ -35,11 +35,13 @@ pub enum Channel {
     Task,
     /// From executor to board: what it prints.
     Printed,
+    /// From board to executor: recordings that engineers send, piece by piece.
+    Film,
 }
 
 impl Channel {
     /// Every channel.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Frame,
         Self::Detections,
         Self::Couple,
@@ -53,6 +55,7 @@ impl Channel {
         Self::Audit,
         Self::Task,
         Self::Printed,
+        Self::Film,
     ];
 
     /// The name in service names and logs.
@@ -71,6 +74,7 @@ impl Channel {
             Self::Audit => "audit",
             Self::Task => "task",
             Self::Printed => "printed",
+            Self::Film => "film",
         }
     }
 
@@ -90,6 +94,7 @@ impl Channel {
             Self::Audit => Audit::HASH,
             Self::Task => Task::HASH,
             Self::Printed => Printed::HASH,
+            Self::Film => FilmPiece::HASH,
         }
     }
 
@@ -156,6 +161,11 @@ impl Channel {
             // yet removed.
             Self::Printed => {
                 Qos { buffer: 256, history: 128, borrowed: 2, readers: 4, writers: 1, loans: 2, burst: 127 }
+            }
+            // A browser sends the next piece once the one before it was kept, and one recording is sent at a time. 4 wait, because several may try.
+            // 2 readers: executor, and one that is dead and not yet removed.
+            Self::Film => {
+                Qos { buffer: 4, history: 0, borrowed: 2, readers: 2, writers: 4, loans: 2, burst: 1 }
             }
         }
     }
@@ -238,6 +248,9 @@ impl ChannelMessage for Task {
 impl ChannelMessage for Printed {
     const CHANNEL: Channel = Channel::Printed;
 }
+impl ChannelMessage for FilmPiece {
+    const CHANNEL: Channel = Channel::Film;
+}
 
 /// Bytes of one message of a channel; for frames the maximum.
 pub(crate) fn message_bytes(channel: Channel, frame_bytes: usize) -> usize {
@@ -255,6 +268,7 @@ pub(crate) fn message_bytes(channel: Channel, frame_bytes: usize) -> usize {
         Channel::Audit => size_of::<Audit>(),
         Channel::Task => size_of::<Task>(),
         Channel::Printed => size_of::<Printed>(),
+        Channel::Film => size_of::<FilmPiece>(),
     }
 }
 

@@ -8,8 +8,8 @@ use crate::station::{Limits, MEMBERS_LOCK, Station, Transport};
 use iceoryx2::node::Node as IceNode;
 use iceoryx2::prelude::*;
 use shm_schemas::{
-    AccountKept, AccountUpdate, Audit, Command, Couples, Detections, FrameHeader, Health, Journalled,
-    Judging, Layout, Printed, Task, Verdict,
+    AccountKept, AccountUpdate, Audit, Command, Couples, Detections, FilmPiece, FrameHeader, Health,
+    Journalled, Judging, Layout, Printed, Task, Verdict,
 };
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -77,6 +77,7 @@ struct AllServices {
     _audit: Services<Messages<Audit>>,
     _task: Services<Messages<Task>>,
     _printed: Services<Messages<Printed>>,
+    _film: Services<Messages<FilmPiece>>,
 }
 
 impl Steward {
@@ -112,6 +113,7 @@ impl Steward {
             _audit: create_messages(&node, station, limits)?,
             _task: create_messages(&node, station, limits)?,
             _printed: create_messages(&node, station, limits)?,
+            _film: create_messages(&node, station, limits)?,
         };
         station.reserve()?;
         Ok(Self {

@@ -66,6 +66,7 @@ pub(crate) enum Place {
     Script,
     Sound,
     Player,
+    Upload,
     LogIn,
     LogOut,
     Kiosk,
@@ -86,6 +87,7 @@ impl Place {
             "/board.js" => Self::Script,
             "/sound.js" => Self::Sound,
             "/player.js" => Self::Player,
+            "/upload.js" => Self::Upload,
             "/login" => Self::LogIn,
             "/logout" => Self::LogOut,
             "/kiosk" => Self::Kiosk,
@@ -120,9 +122,13 @@ impl Place {
             Self::Made => Needs::ToEnter(Rank::Engineer),
             Self::Picture | Self::Film => Needs::ToRead(Rank::Technician),
             Self::Step => Needs::ToRead(Rank::Worker),
-            Self::Style | Self::Script | Self::Sound | Self::Player | Self::LogIn | Self::Kiosk => {
-                Needs::Nothing
-            }
+            Self::Style
+            | Self::Script
+            | Self::Sound
+            | Self::Player
+            | Self::Upload
+            | Self::LogIn
+            | Self::Kiosk => Needs::Nothing,
             Self::LogOut | Self::Confirm | Self::Order => return None,
         })
     }
@@ -143,6 +149,7 @@ impl Place {
             | Self::Script
             | Self::Sound
             | Self::Player
+            | Self::Upload
             | Self::Made
             | Self::Kiosk => return None,
         })

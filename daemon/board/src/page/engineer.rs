@@ -2,7 +2,7 @@
 //!
 //! Forms in which somebody types stand apart from what is drawn anew. Buttons of lists belong to one form that has the token of the session.
 
-use shm_schemas::{PrintedState, RoleId, Showing};
+use shm_schemas::{FILM_BYTES, PIECE_BYTES, PrintedState, RoleId, Showing};
 
 use super::technician::{heads, is_silent, line, picture};
 use super::{audit, plain, token};
@@ -50,6 +50,7 @@ pub(super) fn draw_whole(
     jobs(html, board, words, address);
     teach(html, words, address, visitor);
     films(html, board, words);
+    upload(html, words, address, visitor);
     html.element("<h2>", words.say("engineer.bench"), "</h2><div class=\"beside\"><div>");
     bench(html, words, address, visitor);
     station(html, words, address, visitor);
@@ -226,6 +227,34 @@ fn films(html: &mut Html, board: &Board, words: &Table) {
         "</button>",
     );
     html.raw("</fieldset></section>");
+}
+
+/// One more recording, from the disk of whoever looks at the page. Its script sends it.
+fn upload(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor) {
+    html.element("<noscript><p>", words.say("upload.by_hand"), "</p></noscript>");
+    let most = (FILM_BYTES >> 20).to_string();
+    let size = words.fill("upload.size", &[("n", &most)]);
+    html.raw("<form id=\"upload\" class=\"order\" hidden data-piece=\"").text(&PIECE_BYTES.to_string());
+    html.raw("\" data-most=\"").text(&FILM_BYTES.to_string()).raw("\" data-size=\"").text(&size);
+    for (attribute, key) in [
+        ("\" data-done=\"", "upload.done"),
+        ("\" data-failed=\"", "upload.failed"),
+        ("\" data-stopped=\"", "upload.stopped"),
+        ("\" data-lost=\"", "upload.lost"),
+    ] {
+        html.raw(attribute).text(words.say(key));
+    }
+    html.raw("\">");
+    if let Some(session) = &visitor.session {
+        token(html, session);
+    }
+    plain::place(html, address);
+    html.element("<label for=\"recording\">", words.say("upload.choose"), "</label>");
+    html.raw("<input id=\"recording\" type=\"file\" accept=\"video/*\" required>");
+    html.element("<small>", &size, "</small>");
+    html.element("<button>", words.say("upload.send"), "</button>");
+    html.element("<button type=\"button\" hidden>", words.say("engineer.stop"), "</button>");
+    html.raw("<output id=\"sent\" role=\"status\"></output></form>");
 }
 
 pub(super) fn check(html: &mut Html, name: &'static str, text: &str) {

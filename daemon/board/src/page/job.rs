@@ -83,14 +83,26 @@ fn measured(html: &mut Html, words: &Table, job: &KnownJob) {
     html.element("", words.say("engineer.measured_help"), "</p><div class=\"wide\"><table><thead><tr>");
     heads(html, words, &["step_column", "measured", "shown", "runs"]);
     html.raw("</tr></thead><tbody>");
-    for measured in &job.measured {
-        let step = usize::from(measured.step);
-        let name = job.steps.get(step).map_or("", String::as_str);
-        html.raw("<tr><th scope=\"row\">").text(&format!("{}. {name}", step + 1)).raw("</th><td>");
-        html.text(words.say(&format!("measure.{}", measured.measure.name()))).raw("</td><td>");
-        html.text(&shown(words, measured)).raw("</td><td>");
-        plot::runs(html, &measured.values, measured.right);
-        html.raw("</td></tr>");
+    for of_step in job.measured.chunk_by(|one, other| one.step == other.step) {
+        let has_several = of_step.iter().any(|measured| measured.iu != of_step[0].iu);
+        for (row, measured) in of_step.iter().enumerate() {
+            html.raw("<tr>");
+            if row == 0 {
+                let step = usize::from(measured.step);
+                let name = job.steps.get(step).map_or("", String::as_str);
+                html.raw("<th scope=\"rowgroup\" rowspan=\"").text(&of_step.len().to_string()).raw("\">");
+                html.text(&format!("{}. {name}", step + 1)).raw("</th>");
+            }
+            html.raw("<td>");
+            if has_several {
+                html.text(words.say("level.iu")).raw(" ").text(&(measured.iu + 1).to_string());
+                html.text(words.say("label.colon"));
+            }
+            html.text(words.say(&format!("measure.{}", measured.measure.name()))).raw("</td><td>");
+            html.text(&shown(words, measured)).raw("</td><td>");
+            plot::runs(html, &measured.values, measured.right);
+            html.raw("</td></tr>");
+        }
     }
     html.raw("</tbody></table></div></section>");
 }
@@ -181,7 +193,13 @@ fn runs(html: &mut Html, words: &Table, job: &KnownJob) {
 
 fn version(html: &mut Html, board: &Board, words: &Table, job: &KnownJob, version: &Version, is_own: bool) {
     html.element("<tr><th scope=\"row\"><code>", &version.hash, "</code></th>");
-    html.element("<td>", &version.date, "</td>");
+    html.element("<td>", &version.date, "");
+    if version.has_report {
+        let word = words.say("engineer.report_of");
+        html.raw(" <a href=\"/engineer/made/report.html?at=").text(&job.name).raw(".").text(&version.hash);
+        html.raw("\" aria-label=\"").text(word).raw(" ").text(&version.date).element("\">", word, "</a>");
+    }
+    html.raw("</td>");
     for number in [version.runs, version.steps] {
         html.element("<td>", &number.to_string(), "</td>");
     }

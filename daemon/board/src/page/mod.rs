@@ -58,12 +58,12 @@ pub(crate) fn whole(
     // What follows the script is for a page that did not get it: there it is a comment.
     html.raw("<script src=\"/board.js\"></script>").raw(again(board, address.page)).raw("<!-- -->");
     html.raw("<link rel=\"stylesheet\" href=\"/board.css\">");
-    if address.page == Page::Event {
-        html.raw("<script src=\"/player.js\" defer></script>");
-    }
-    if address.page == Page::Worker && address.sound == "on" {
-        html.raw("<script src=\"/sound.js\" defer></script>");
-    }
+    html.raw(match address.page {
+        Page::Event => "<script src=\"/player.js\" defer></script>",
+        Page::Engineer => "<script src=\"/upload.js\" defer></script>",
+        Page::Worker if address.sound == "on" => "<script src=\"/sound.js\" defer></script>",
+        _ => "",
+    });
     html.raw("</head><body class=\"");
     html.raw(if address.page == Page::Worker { "worker" } else { "technician" })
         .raw("\" data-events=\"")

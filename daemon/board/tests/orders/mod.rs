@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use andon_board::{Audited, Known, KnownJob, Ordered, Version};
-use shm_schemas::{Printed, PrintedState, Task, TaskKind};
+use andon_board::{Audited, Known, KnownJob, Ordered, Piece, Version};
+use shm_schemas::{PIECE_BYTES, Printed, PrintedState, Task, TaskKind};
 
 use crate::answer::{header, status};
 use crate::beside::PATIENCE;
@@ -48,6 +48,76 @@ fn what_an_engineer_orders_goes_to_the_line_with_the_name_of_the_login_and_is_an
 }
 
 #[test]
+fn a_piece_of_a_recording_goes_to_the_line_and_is_answered_to_a_script() {
+    served(|plant| {
+        let session = plant.session("engineer");
+        let csrf = plant.csrf(&session);
+        let sent = |piece: &str, ordered: &Ordered| {
+            let form = format!("do=film&film=7&name=run1.mp4&at=3&size=9&piece={piece}");
+            let form = format!("{form}&csrf={csrf}");
+            std::thread::scope(|scope| {
+                let answer = scope.spawn(|| plant.post("/engineer/order", &session, &form));
+                let deadline = Instant::now() + PATIENCE;
+                let order = loop {
+                    if let Some(order) = plant.orders.lock().unwrap().pop() {
+                        break order;
+                    }
+                    assert!(Instant::now() < deadline, "nothing is sent");
+                    std::thread::sleep(Duration::from_millis(2));
+                };
+                assert_eq!((order.kind, order.name.as_str()), (TaskKind::Film, "run1.mp4"));
+                let piece = order.piece.clone().unwrap();
+                plant.board.lock().unwrap().answer_order(order, ordered);
+                (piece, answer.join().unwrap())
+            })
+        };
+        let (piece, answer) = sent("ZmlsbXM", &Ordered::Taken);
+        assert_eq!(piece, Piece { film: 7, at: 3, size: 9, bytes: b"films".to_vec() });
+        assert_eq!(status(&answer), 200);
+        let (_, answer) = sent("ZmlsbXM", &Ordered::Refused("there is one <already>".to_owned()));
+        assert!(status(&answer) == 409 && answer.ends_with("there is one <already>"), "{answer}");
+        assert!(answer.contains("content-type: text/plain"), "{answer}");
+        assert_eq!(status(&sent("ZmlsbXM", &Ordered::Unheard).1), 503);
+        let (piece, _) = sent(&"A".repeat(PIECE_BYTES / 3 * 4), &Ordered::Taken);
+        assert_eq!(piece.bytes.len(), PIECE_BYTES);
+    });
+}
+
+#[test]
+fn a_piece_that_is_none_comes_without_a_token_or_from_who_may_not_send_is_kept_by_nobody() {
+    served(|plant| {
+        let session = plant.session("engineer");
+        let csrf = plant.csrf(&session);
+        let piece = "do=film&film=7&name=run1.mp4&at=0&size=9&piece=ZmlsbXM";
+        for (form, expected) in [
+            ("do=film&name=run1.mp4&at=0&size=9&piece=ZmlsbXM".to_owned(), 400),
+            ("do=film&film=-7&name=run1.mp4&at=0&size=9&piece=ZmlsbXM".to_owned(), 400),
+            ("do=film&film=7&name=run1.mp4&at=x&size=9&piece=ZmlsbXM".to_owned(), 400),
+            ("do=film&film=7&name=run1.mp4&at=0&size=1e9&piece=ZmlsbXM".to_owned(), 400),
+            ("do=film&film=7&name=run1.mp4&at=0&size=9&piece=Zml+sbXM".to_owned(), 400),
+            ("do=film&film=7&name=run1.mp4&at=0&size=9&piece=%00%01".to_owned(), 400),
+            (format!("{piece}{}", "A".repeat(PIECE_BYTES / 3 * 4)), 400),
+            (format!("{piece}{}", "A".repeat(80_000)), 413),
+            (format!("do=film&film=7&name={}&at=0&size=9&piece=ZmlsbXM", "x".repeat(65)), 413),
+        ] {
+            let answer = plant.post("/engineer/order", &session, &format!("{form}&csrf={csrf}"));
+            assert_eq!(status(&answer), expected, "{}", &form[..40]);
+        }
+        for csrf in ["", "&csrf=", "&csrf=0123456789abcdef"] {
+            let answer = plant.post("/engineer/order", &session, &format!("{piece}{csrf}"));
+            assert_eq!(status(&answer), 403, "{csrf}");
+        }
+        for rank in ["worker", "technician"] {
+            let session = plant.session(rank);
+            let form = format!("{piece}&csrf={}", plant.csrf(&session));
+            assert_eq!(status(&plant.post("/engineer/order", &session, &form)), 403, "{rank}");
+        }
+        assert_eq!(status(&plant.post("/engineer/order", "", &format!("{piece}&csrf={csrf}"))), 303);
+        assert!(plant.orders.lock().unwrap().is_empty());
+    });
+}
+
+#[test]
 fn an_order_that_is_none_or_too_long_is_refused_and_what_a_job_is_called_is_text() {
     served(|plant| {
         let session = plant.session("engineer");
@@ -65,7 +135,8 @@ fn an_order_that_is_none_or_too_long_is_refused_and_what_a_job_is_called_is_text
         }
         assert!(plant.orders.lock().unwrap().is_empty());
         let markup = "\"><script>alert(1)</script>".to_owned();
-        let version = Version { hash: markup.clone(), date: markup.clone(), runs: 1, steps: 1 };
+        let version =
+            Version { hash: markup.clone(), date: markup.clone(), runs: 1, steps: 1, has_report: true };
         let job = KnownJob {
             name: "polish".to_owned(),
             title: markup.clone(),

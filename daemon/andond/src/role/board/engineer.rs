@@ -15,11 +15,11 @@ use andon_http::Response;
 use andon_ipc::{MonotonicTime, Node, Port, Reader, Writer};
 use andon_learn::file;
 use andon_learn::job_file::{JobFile, TaughtIu};
-use shm_schemas::{Printed, PrintedState, Showing, TASK_LATE_NS, Task, TaskKind, VerdictMeasure};
+use shm_schemas::{FilmPiece, Printed, PrintedState, Showing, TASK_LATE_NS, Task, TaskKind, VerdictMeasure};
 
 use super::super::{RoleError, jobs};
 use super::is_due;
-use crate::made::{Made, hash_of};
+use crate::made::{Made, hash_of, is_hash, is_name};
 use crate::mark::Mark;
 
 /// An executor that runs answers within one turn. It is longer than until it does nothing any more: what is said to be undone must not be done after
@@ -46,6 +46,7 @@ pub(super) struct Engineer {
     made: Made,
     is_enabled: bool,
     tasks: Output<Writer<Task>>,
+    pieces: Output<Writer<FilmPiece>>,
     printed: Reader<Printed>,
     waiting: Vec<(Order, u64, Instant)>,
     looked: Option<Instant>,
@@ -61,6 +62,7 @@ impl Engineer {
             made: Made::new(config),
             is_enabled: config.executor.enable,
             tasks: Output::beside(node.writer()?),
+            pieces: Output::beside(node.writer()?),
             printed: node.reader()?,
             waiting: Vec::new(),
             looked: None,
@@ -70,8 +72,8 @@ impl Engineer {
         })
     }
 
-    pub(super) fn ports(&mut self) -> [&mut dyn Port; 2] {
-        [self.tasks.port(), &mut self.printed]
+    pub(super) fn ports(&mut self) -> [&mut dyn Port; 3] {
+        [self.tasks.port(), self.pieces.port(), &mut self.printed]
     }
 
     /// Sends what was ordered, and gives the board what has come. True where the steps of a job may have other names now.
@@ -103,7 +105,15 @@ impl Engineer {
             board.answer_order(order, &Ordered::Refused("a name or a text is too long".to_owned()));
             return Ok(());
         }
-        self.tasks.send(cycle, |message| *message = Task { stamp: message.stamp, ..task })?;
+        match &order.piece {
+            None => self.tasks.send(cycle, |message| *message = Task { stamp: message.stamp, ..task })?,
+            Some(piece) => self.pieces.send(cycle, |message| {
+                (message.task, message.film) = (number, piece.film);
+                (message.at, message.size) = (piece.at, piece.size);
+                // The task has just said them, and no piece of the board is larger than a message.
+                let _ = message.say(task.who(), task.name()) && message.carry(&piece.bytes);
+            })?,
+        }
         self.waiting.push((order, number, Instant::now()));
         Ok(())
     }
@@ -185,6 +195,7 @@ fn stem(path: &Path) -> String {
 fn job(made: &Made, path: &Path) -> KnownJob {
     let name = stem(path);
     let versions = made.versions(&name).into_iter().filter_map(|path| jobs::read(&path).ok());
+    let version = |file: &JobFile| version(made, &name, file);
     let mut earlier: Vec<Version> = versions.map(|file| version(&file)).collect();
     earlier.sort_by(|one, other| other.date.cmp(&one.date));
     let has_report = made.report(&name).is_file();
@@ -215,7 +226,7 @@ fn job(made: &Made, path: &Path) -> KnownJob {
 /// What the runs measured, step by step: how long, how many strokes and how far, in the unit of the verdicts.
 fn measured(file: &JobFile) -> Vec<Measured> {
     let rate_hz = file.method.rate_hz;
-    let of_iu = |step: u16, iu: &TaughtIu| {
+    let of_iu = |step: u16, number: u16, iu: &TaughtIu| {
         let Some(shown) = iu.shown.clone() else { return Vec::new() };
         let counted = |Bounds { min, max }: Bounds, per: f32| {
             [min as f32 / per, if max == u32::MAX { f32::INFINITY } else { max as f32 / per }]
@@ -227,18 +238,22 @@ fn measured(file: &JobFile) -> Vec<Measured> {
             (VerdictMeasure::Strokes, each(shown.reversals, PER_STROKE), counted(iu.reversals, PER_STROKE)),
             (VerdictMeasure::Path, shown.path_m, [min, max]),
         ]
-        .map(|(measure, values, right)| Measured { step, measure, values, right })
+        .map(|(measure, values, right)| Measured { step, iu: number, measure, values, right })
         .into()
     };
-    let ius = file.activities.iter().flat_map(|taught| taught.ius.iter().map(|iu| (taught.activity, iu)));
-    let of_all = ius.flat_map(|(step, iu)| of_iu(step, iu));
+    let of_step = |step, ius: &[TaughtIu]| {
+        (0..).zip(ius).flat_map(|(number, iu)| of_iu(step, number, iu)).collect::<Vec<_>>()
+    };
+    let of_all = file.activities.iter().flat_map(|taught| of_step(taught.activity, &taught.ius));
     // Where nobody moves to and fro there are no strokes.
     of_all.filter(|measured| measured.values.last().is_some_and(|most| *most > 0.0)).collect()
 }
 
-fn version(file: &JobFile) -> Version {
+fn version(made: &Made, job: &str, file: &JobFile) -> Version {
+    let hash = hash_of(file);
     Version {
-        hash: hash_of(file),
+        has_report: made.report_of(job, &hash).is_file(),
+        hash,
         date: file.provenance.date.clone(),
         runs: file.provenance.sources.iter().filter(|source| !source.left_out).count(),
         steps: file.steps.len(),
@@ -275,11 +290,13 @@ fn response(made: &Made, file: &MadeFile) -> Option<Response> {
     })
 }
 
-/// The report of a job without its styles, and these. The policy of the board takes no style in a page; the picture in a report has one as well.
+/// The report of a job, or with a dot and its hash of one of its versions, without its styles, and these. The policy of the board takes no style in a page; the picture in a report has one as well.
 fn report(made: &Made, job: &str) -> Option<(String, String)> {
     // A name of another form is that of no job, and would be a path.
-    let name = Some(job).filter(|job| crate::made::is_name(job))?;
-    let text = String::from_utf8(read(&made.report(name))?).ok()?;
+    let (name, hash) = job.rsplit_once('.').filter(|(_, hash)| is_hash(hash)).unwrap_or((job, ""));
+    let name = Some(name).filter(|name| is_name(name))?;
+    let path = if hash.is_empty() { made.report(name) } else { made.report_of(name, hash) };
+    let text = String::from_utf8(read(&path)?).ok()?;
     let (mut page, mut styles) = (String::new(), String::new());
     let mut rest = text.as_str();
     while let Some((before, from)) = rest.split_once(STYLE[0]) {
@@ -333,7 +350,20 @@ mod tests {
         let (page, style) = report(&made, "polish").unwrap();
         assert_eq!(page, "<html><body>steps<svg></svg></body></html>");
         assert_eq!(style, "h1{color:red}.a{}");
-        for name in ["", "other", "../secret", ".."] {
+        std::fs::copy(made.report("polish"), made.report_of("polish", "0123456789abcdef")).unwrap();
+        assert!(report(&made, "polish.0123456789abcdef").is_some());
+        let long = "x".repeat(56);
+        std::fs::copy(made.report("polish"), made.report_of(&long, "0123456789abcdef")).unwrap();
+        assert!(report(&made, &format!("{long}.0123456789abcdef")).is_some());
+        for name in [
+            "",
+            "other",
+            "../secret",
+            "..",
+            ".0123456789abcdef",
+            "polish.0123456789abcdeg",
+            "../secret.0123456789abcdef",
+        ] {
             assert!(report(&made, name).is_none(), "{name}");
         }
     }

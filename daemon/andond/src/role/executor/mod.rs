@@ -11,25 +11,29 @@
 
 mod change;
 mod child;
+mod films;
 mod plan;
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
+use andon_host::atomic;
 use andon_host::config::Config;
 use andon_host::log::{code, log};
 use andon_host::role::{Cycle, Output, Role, Turn, WAIT};
 use andon_ipc::{MonotonicTime, Node, Port, Reader, Writer};
 use shm_schemas::{
-    AuditKind, PRINTED_TEXT_BYTES, Printed, PrintedState, Showing, TASK_LATE_NS, Task, TaskKind, task_flag,
+    AuditKind, FilmPiece, PRINTED_TEXT_BYTES, Printed, PrintedState, Showing, Stamp, TASK_LATE_NS, Task,
+    TaskKind, task_flag,
 };
 
 use super::audit::Auditor;
-use super::{RoleError, disabled};
-use crate::made::Made;
+use super::{RoleError, disabled, jobs};
+use crate::made::{Made, hash_of};
 use crate::tool::teach::showing_after;
 use change::Before;
 use child::Child;
+use films::{Films, Taken};
 use plan::{Plan, Step};
 
 /// How often it looks at what a task has printed.
@@ -46,14 +50,16 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         return disabled::run(&mut cycle);
     }
     let began = Instant::now();
+    let made = Made::new(config);
     let mut role = Executor {
         config,
         tasks: node.reader()?,
+        pieces: node.reader()?,
+        films: Films::new(made.films_folder(), &config.station.name),
         printed: Output::beside(node.writer()?),
         auditor: Auditor::open(node)?,
         running: None,
     };
-    let made = Made::new(config);
     if let Some(said) = change::put_back_noted(made.unfinished()) {
         log!(code::TASK_ENDED, "{said}");
         role.auditor.record(&mut cycle, AuditKind::Task, "role executor", &said)?;
@@ -80,6 +86,8 @@ fn make_folders(made: &Made) {
 struct Executor<'c> {
     config: &'c Config,
     tasks: Reader<Task>,
+    pieces: Reader<FilmPiece>,
+    films: Films,
     printed: Output<Writer<Printed>>,
     auditor: Auditor,
     running: Option<Running>,
@@ -109,16 +117,25 @@ impl Role for Executor<'_> {
     const INPUT_IS_STEADY: bool = false;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {
-        vec![self.printed.port(), self.auditor.port(), &mut self.tasks]
+        vec![self.printed.port(), self.auditor.port(), &mut self.tasks, &mut self.pieces]
     }
 
     fn patience(&self) -> Duration {
-        if self.running.is_some() { TURN } else { WAIT }
+        if self.running.is_some() || self.films.is_open() { TURN } else { WAIT }
     }
 
     fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
         while let Some(task) = self.tasks.take()? {
             self.take(cycle, &task)?;
+        }
+        while let Some(piece) = self.pieces.take()? {
+            self.take_piece(cycle, &piece)?;
+        }
+        if let Some((who, name)) = self.films.give_up(Instant::now()) {
+            let mut task = Task { kind: TaskKind::Film.code(), ..Task::default() };
+            // They were in a message.
+            let _ = task.say(&who, &name, "");
+            self.pass_over(cycle, &task, "nothing came any more")?;
         }
         self.go_on(cycle)?;
         Ok(Turn::Idle)
@@ -137,7 +154,7 @@ impl Executor<'_> {
     fn take(&mut self, cycle: &mut Cycle<'_>, task: &Task) -> Result<(), RoleError> {
         let kind = TaskKind::try_from(task.kind);
         // To stop is right at any time.
-        if kind != Ok(TaskKind::Stop) && is_late(task, MonotonicTime::now()) {
+        if kind != Ok(TaskKind::Stop) && is_late(&task.stamp, MonotonicTime::now()) {
             // Nobody waits for an answer. Whoever has ordered it was told that nobody does it.
             return self.pass_over(cycle, task, "it came too late");
         }
@@ -150,6 +167,28 @@ impl Executor<'_> {
             },
             Ok(_) => self.refuse(cycle, task, "another task is running: wait for its end, or stop it"),
             Err(_) => self.refuse(cycle, task, "the board is of another version"),
+        }
+    }
+
+    /// Keeps a piece of a recording, and says so.
+    fn take_piece(&mut self, cycle: &mut Cycle<'_>, piece: &FilmPiece) -> Result<(), RoleError> {
+        if is_late(&piece.stamp, MonotonicTime::now()) {
+            // Whoever has sent it was told that nobody keeps it, and sends it again.
+            return Ok(());
+        }
+        let mut task = Task { number: piece.task, kind: TaskKind::Film.code(), ..Task::default() };
+        // They were in a message.
+        let _ = task.say(piece.who(), piece.name(), "");
+        match self.films.take(piece, Instant::now()) {
+            Ok(Taken::Kept) => self.print(cycle, &task, PrintedState::Done, None, ""),
+            Ok(Taken::Whole(digest)) => {
+                let became = format!("done, {} bytes with the SHA-256 {digest}", piece.size);
+                log!(code::TASK_ENDED, "{}", said(&task, &became));
+                self.audit(cycle, &task, &became)?;
+                self.print(cycle, &task, PrintedState::Done, None, "")
+            }
+            Ok(Taken::BrokenOff) => self.end(cycle, &task, PrintedState::Stopped, ""),
+            Err(why) => self.refuse(cycle, &task, &why),
         }
     }
 
@@ -196,6 +235,9 @@ impl Executor<'_> {
             },
             _ => (PrintedState::Failed, String::new()),
         };
+        if state == PrintedState::Done && teaches(&running.task) {
+            keep_report(&Made::new(self.config), running.task.name());
+        }
         match state {
             PrintedState::Done => running.before.keep(),
             _ => running.before.put_back(is_done),
@@ -284,9 +326,25 @@ impl Executor<'_> {
     }
 }
 
+fn teaches(task: &Task) -> bool {
+    use TaskKind::{TeachAgain, TeachFilms, TeachLive, Without};
+    matches!(TaskKind::try_from(task.kind), Ok(TeachLive | TeachFilms | TeachAgain | Without))
+}
+
+/// Keeps the report of a teaching with the version of the job that it has made: the next teaching writes another one.
+fn keep_report(made: &Made, job: &str) {
+    // Where a job was written, it can be read.
+    let Ok(file) = jobs::read(&made.job(job)) else { return };
+    let copy = made.report_of(job, &hash_of(&file));
+    let kept = std::fs::read(made.report(job)).and_then(|report| atomic::write(&copy, &report));
+    if let Err(error) = kept {
+        log!(code::EXECUTOR_CANNOT_WRITE, "{}: {error}", copy.display());
+    }
+}
+
 /// Whether a task has come so late that it is not done: this process, or the machine, has stood still.
-fn is_late(task: &Task, now: MonotonicTime) -> bool {
-    now.since(MonotonicTime::sent(&task.stamp)) > Duration::from_nanos(TASK_LATE_NS)
+fn is_late(stamp: &Stamp, now: MonotonicTime) -> bool {
+    now.since(MonotonicTime::sent(stamp)) > Duration::from_nanos(TASK_LATE_NS)
 }
 
 /// A task and what became of it in one line, for the log and the journal. What became of it comes before the text, which may be cut off, and no
@@ -323,10 +381,10 @@ mod tests {
         let mut task = Task::default();
         let sent = MonotonicTime::now();
         task.stamp.sent_ns = sent.nanoseconds();
-        let after = |ns: u64| is_late(&task, sent + Duration::from_nanos(ns));
+        let after = |ns: u64| is_late(&task.stamp, sent + Duration::from_nanos(ns));
         assert!(!after(0) && !after(TASK_LATE_NS) && after(TASK_LATE_NS + 1));
         // One that is read before it was sent, by a clock of another processor, is new.
         task.stamp.sent_ns += 5;
-        assert!(!is_late(&task, sent));
+        assert!(!is_late(&task.stamp, sent));
     }
 }

@@ -127,7 +127,7 @@ pub(super) fn of(kind: TaskKind, task: &Task, config: &Config) -> Result<Plan, S
         TaskKind::Look => vec![desk.look()],
         TaskKind::Calibrate => vec![desk.look(), desk.calibrate()?],
         TaskKind::New => vec![desk.new_station()?],
-        TaskKind::Answer | TaskKind::Stop => return Err("this is no command".into()),
+        TaskKind::Answer | TaskKind::Stop | TaskKind::Film => return Err("this is no command".into()),
     };
     Ok(Plan { changes: desk.changes, steps: steps.into() })
 }
