@@ -42,6 +42,8 @@ fn start(mut line: Line, besides: &[&'static str]) -> (Line, Watcher, String) {
         line.start(role);
     }
     line.wait_for_log("board", "AND-620", "");
+    // It makes the folders.
+    line.wait_for_log("executor", "AND-629", "");
     (line, watcher, format!("http://localhost:{port}"))
 }
 

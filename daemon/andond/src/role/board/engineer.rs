@@ -290,7 +290,8 @@ fn response(made: &Made, file: &MadeFile) -> Option<Response> {
     })
 }
 
-/// The report of a job, or with a dot and its hash of one of its versions, without its styles, and these. The policy of the board takes no style in a page; the picture in a report has one as well.
+/// The report of a job, or with a dot and its hash of one of its versions, without its styles, and these. The policy of the board takes no style in a
+/// page; the picture in a report has one as well.
 fn report(made: &Made, job: &str) -> Option<(String, String)> {
     // A name of another form is that of no job, and would be a path.
     let (name, hash) = job.rsplit_once('.').filter(|(_, hash)| is_hash(hash)).unwrap_or((job, ""));
