@@ -31,7 +31,6 @@ mod guard;
 mod html;
 mod inbox;
 mod job;
-mod letters;
 mod line;
 mod look;
 mod order;

@@ -1,6 +1,7 @@
 //! What an engineer orders on the board. The role sends it to the line, and says what became of it.
 
 use andon_http::{Later, Response};
+use base64ct::{Base64UrlUnpadded, Encoding as _};
 use shm_schemas::{PIECE_BYTES, Showing, TASK_NAME_BYTES, TASK_TEXT_BYTES, TaskKind, task_flag};
 
 use crate::access::Visitor;
@@ -8,7 +9,6 @@ use crate::address::Address;
 use crate::answer::HTML;
 use crate::board::Board;
 use crate::form::Form;
-use crate::letters;
 use crate::page;
 
 /// Orders that wait for the line.
@@ -51,7 +51,8 @@ pub struct Piece {
 impl Piece {
     fn read(form: &Form) -> Option<Self> {
         let number = |key| form.get(key).parse().ok();
-        let bytes = letters::bytes(form.get("piece")).filter(|bytes| bytes.len() <= PIECE_BYTES)?;
+        let bytes = Base64UrlUnpadded::decode_vec(form.get("piece")).ok();
+        let bytes = bytes.filter(|bytes| bytes.len() <= PIECE_BYTES)?;
         Some(Self { film: number("film")?, at: number("at")?, size: number("size")?, bytes })
     }
 }
@@ -265,6 +266,23 @@ mod tests {
             format!("{many}do=films&job=polish"),
         ] {
             assert_eq!(asked(&form), Err(NoOrder::TooMuch), "{}", &form[..40]);
+        }
+    }
+
+    #[test]
+    fn letters_are_the_bytes_that_they_were_and_what_is_none_is_refused() {
+        let bytes = |letters: &str| {
+            let form = format!("film=1&at=0&size=1&piece={letters}");
+            Piece::read(&Form::read(form.as_bytes())).map(|piece| piece.bytes)
+        };
+        // From RFC 4648, chapter 10, without what fills them up.
+        for (text, letters) in [("", ""), ("f", "Zg"), ("fo", "Zm8"), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")]
+        {
+            assert_eq!(bytes(letters).as_deref(), Some(text.as_bytes()));
+        }
+        assert_eq!(bytes("-_-_"), Some(vec![0xfb, 0xff, 0xbf]));
+        for letters in ["Z", "Zg==", "Zm9v Zm9v", "Zm9v%2B", "/", "Zh", "\u{fc}"] {
+            assert_eq!(bytes(letters), None, "{letters}");
         }
     }
 
