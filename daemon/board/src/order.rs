@@ -89,40 +89,39 @@ struct Asked {
 }
 
 impl Asked {
+    fn of(kind: TaskKind, name: String, text: String) -> Self {
+        Self { kind, name, text, flags: 0, showing: None, piece: None }
+    }
+
     fn read(form: &Form) -> Result<Self, NoOrder> {
         if form.is_cut() {
             return Err(NoOrder::TooMuch);
         }
         let lines = |key| form.all(key).collect::<Vec<_>>().join("\n");
         let job = || form.get("job").to_owned();
-        let of = |kind, name: String, text: String| Self {
-            kind,
-            name,
-            text,
-            flags: 0,
-            showing: None,
-            piece: None,
-        };
         let mut asked = match form.get("do") {
-            "live" => of(TaskKind::TeachLive, job(), form.get("count").to_owned()),
-            "films" => of(TaskKind::TeachFilms, job(), lines("film")),
-            "again" => of(TaskKind::TeachAgain, job(), String::new()),
-            "name" => of(TaskKind::Name, job(), lines("step")),
-            "markers" => of(TaskKind::Markers, String::new(), String::new()),
-            "look" => of(TaskKind::Look, String::new(), String::new()),
+            "live" => Self::of(TaskKind::TeachLive, job(), form.get("count").to_owned()),
+            "films" => Self::of(TaskKind::TeachFilms, job(), lines("film")),
+            "again" => Self::of(TaskKind::TeachAgain, job(), String::new()),
+            "name" => Self::of(TaskKind::Name, job(), lines("step")),
+            "markers" => Self::of(TaskKind::Markers, String::new(), String::new()),
+            "look" => Self::of(TaskKind::Look, String::new(), String::new()),
             "calibrate" => {
                 let text = format!("{}\n{}", form.get("side"), lines("marker"));
-                of(TaskKind::Calibrate, String::new(), text)
+                Self::of(TaskKind::Calibrate, String::new(), text)
             }
             "new" => {
                 let text = format!("{}\n{}", form.get("camera"), lines("part"));
-                of(TaskKind::New, form.get("station").to_owned(), text)
+                Self::of(TaskKind::New, form.get("station").to_owned(), text)
             }
             "film" => {
                 let piece = Piece::read(form).ok_or(NoOrder::Nothing)?;
-                Self { piece: Some(piece), ..of(TaskKind::Film, form.get("name").to_owned(), String::new()) }
+                Self {
+                    piece: Some(piece),
+                    ..Self::of(TaskKind::Film, form.get("name").to_owned(), String::new())
+                }
             }
-            "stop" => of(TaskKind::Stop, String::new(), String::new()),
+            "stop" => Self::of(TaskKind::Stop, String::new(), String::new()),
             "" => Self::of_button(form).ok_or(NoOrder::Nothing)?,
             _ => return Err(NoOrder::Nothing),
         };
@@ -150,18 +149,10 @@ impl Asked {
         })?;
         let (name, text) = value.split_once('/').unwrap_or((value, ""));
         if kind != TaskKind::Answer {
-            return Some(Self {
-                kind,
-                name: name.to_owned(),
-                text: text.to_owned(),
-                flags: 0,
-                showing: None,
-                piece: None,
-            });
+            return Some(Self::of(kind, name.to_owned(), text.to_owned()));
         }
         let showing = Showing::ALL.iter().copied().find(|showing| showing.name() == name)?;
-        let (name, text) = (String::new(), text.to_owned());
-        Some(Self { kind, name, text, flags: 0, showing: Some(showing), piece: None })
+        Some(Self { showing: Some(showing), ..Self::of(kind, String::new(), text.to_owned()) })
     }
 }
 

@@ -2,15 +2,15 @@
 
 use std::time::{Duration, Instant};
 
-use andon_board::{Audited, Known, KnownJob, Ordered, Piece, Version};
+use andon_board::{Audited, Known, KnownJob, Order, Ordered, Piece, Version};
 use shm_schemas::{PIECE_BYTES, Printed, PrintedState, Task, TaskKind};
 
 use crate::answer::{header, status};
 use crate::beside::PATIENCE;
 use crate::plant::{Plant, served};
 
-/// Waits for an order, and says what became of it.
-fn ordered(plant: &Plant, form: &str, ordered: &Ordered) -> (TaskKind, [String; 3], String) {
+/// Sends an engineer's form and says what became of the order that it is: what is to be told of that order, and the answer.
+fn answered<T>(plant: &Plant, form: &str, ordered: &Ordered, tell: impl Fn(&Order) -> T) -> (T, String) {
     let session = plant.session("engineer");
     let form = format!("{form}&csrf={}&to=engineer&lang=de", plant.csrf(&session));
     std::thread::scope(|scope| {
@@ -23,10 +23,18 @@ fn ordered(plant: &Plant, form: &str, ordered: &Ordered) -> (TaskKind, [String; 
             assert!(Instant::now() < deadline, "nothing is ordered");
             std::thread::sleep(Duration::from_millis(2));
         };
-        let told = (order.kind, [order.login.clone(), order.name.clone(), order.text.clone()]);
+        let told = tell(&order);
         plant.board.lock().unwrap().answer_order(order, ordered);
-        (told.0, told.1, answer.join().unwrap())
+        (told, answer.join().unwrap())
     })
+}
+
+/// Of an order: what is to be done, and the name of the login, that of the job and what else was said.
+fn ordered(plant: &Plant, form: &str, ordered: &Ordered) -> (TaskKind, [String; 3], String) {
+    let ((kind, words), answer) = answered(plant, form, ordered, |order| {
+        (order.kind, [&order.login, &order.name, &order.text].map(String::clone))
+    });
+    (kind, words, answer)
 }
 
 #[test]
@@ -50,25 +58,11 @@ fn what_an_engineer_orders_goes_to_the_line_with_the_name_of_the_login_and_is_an
 #[test]
 fn a_piece_of_a_recording_goes_to_the_line_and_is_answered_to_a_script() {
     served(|plant| {
-        let session = plant.session("engineer");
-        let csrf = plant.csrf(&session);
         let sent = |piece: &str, ordered: &Ordered| {
             let form = format!("do=film&film=7&name=run1.mp4&at=3&size=9&piece={piece}");
-            let form = format!("{form}&csrf={csrf}");
-            std::thread::scope(|scope| {
-                let answer = scope.spawn(|| plant.post("/engineer/order", &session, &form));
-                let deadline = Instant::now() + PATIENCE;
-                let order = loop {
-                    if let Some(order) = plant.orders.lock().unwrap().pop() {
-                        break order;
-                    }
-                    assert!(Instant::now() < deadline, "nothing is sent");
-                    std::thread::sleep(Duration::from_millis(2));
-                };
+            answered(plant, &form, ordered, |order| {
                 assert_eq!((order.kind, order.name.as_str()), (TaskKind::Film, "run1.mp4"));
-                let piece = order.piece.clone().unwrap();
-                plant.board.lock().unwrap().answer_order(order, ordered);
-                (piece, answer.join().unwrap())
+                order.piece.clone().unwrap()
             })
         };
         let (piece, answer) = sent("ZmlsbXM", &Ordered::Taken);
