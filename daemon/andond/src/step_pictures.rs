@@ -11,7 +11,6 @@ use std::path::{Path, PathBuf};
 use andon_host::atomic::{self, folder_of};
 use andon_learn::file;
 use andon_learn::job_file::JobFile;
-use andon_record::store;
 
 use crate::made::is_hash;
 
@@ -71,7 +70,7 @@ impl StepPicture {
     /// # Errors
     /// The picture, and why it cannot be removed.
     pub(crate) fn remove(&self) -> Result<(), (PathBuf, io::Error)> {
-        store::remove_file(&self.path).map_err(|error| (self.path.clone(), error))
+        atomic::remove_file(&self.path).map_err(|error| (self.path.clone(), error))
     }
 }
 

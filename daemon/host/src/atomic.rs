@@ -74,7 +74,20 @@ pub fn beside(path: &Path) -> io::Result<NamedTempFile> {
 /// What the system says.
 pub fn put(part: TempPath, path: &Path) -> io::Result<()> {
     part.persist(path)?;
-    // The rename itself must survive a loss of power.
+    keep_names(path)
+}
+
+/// The same, but never in the place of another file.
+///
+/// # Errors
+/// What the system says; also that there is a file of this name.
+pub fn put_new(part: TempPath, path: &Path) -> io::Result<()> {
+    part.persist_noclobber(path)?;
+    keep_names(path)
+}
+
+/// Brings the names in the folder of `path` to the disk: what has another one, or none, must survive a loss of power.
+fn keep_names(path: &Path) -> io::Result<()> {
     File::open(folder_of(path))?.sync_all()
 }
 
@@ -83,9 +96,18 @@ pub fn put(part: TempPath, path: &Path) -> io::Result<()> {
 /// # Errors
 /// What the system says.
 pub fn remove(path: &Path) -> io::Result<()> {
+    remove_file(path)?;
+    keep_names(path)
+}
+
+/// Removes a file that somebody else may have removed meanwhile. A loss of power may bring it back.
+///
+/// # Errors
+/// What the system says.
+pub fn remove_file(path: &Path) -> io::Result<()> {
     match std::fs::remove_file(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        removed => removed.and_then(|()| File::open(folder_of(path))?.sync_all()),
+        removed => removed,
     }
 }
 

@@ -6,6 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
+use andon_host::atomic::remove_file;
 use andon_ipc::UtcTime;
 use jiff::Timestamp;
 use jiff::civil::DateTime;
@@ -211,17 +212,6 @@ pub fn remove(recording: &Path) -> io::Result<Removed> {
     }
     remove_file(recording)?;
     Ok(Removed::Gone)
-}
-
-/// Removes a file that somebody else may have removed meanwhile.
-///
-/// # Errors
-/// What the system says.
-pub fn remove_file(path: &Path) -> io::Result<()> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        removed => removed,
-    }
 }
 
 /// What lies beside no recording, as where one was removed by hand or by an older program: an index or stills. Nobody can say whom it shows.

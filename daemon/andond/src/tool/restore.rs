@@ -95,10 +95,7 @@ fn forget_companions(path: &Path) -> std::io::Result<()> {
     for ending in ["-wal", "-shm"] {
         let mut beside = path.as_os_str().to_owned();
         beside.push(ending);
-        match std::fs::remove_file(beside) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error),
-            _ => (),
-        }
+        atomic::remove_file(Path::new(&beside))?;
     }
     Ok(())
 }

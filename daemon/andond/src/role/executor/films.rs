@@ -3,12 +3,14 @@
 //! Until then it is a file whose name nobody looks for, and it goes with whatever ends the sending: a button, silence, an error, the end of this role.
 //! What a role that was killed has left of it, the next one removes.
 
-use std::fs::{self, File, Permissions};
+use std::fs::{self, Permissions};
 use std::io::Write as _;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use andon_host::atomic;
+use andon_learn::digest::hex;
 use rustix::fs::statvfs;
 use sha2::{Digest as _, Sha256};
 use shm_schemas::{FILM_BYTES, FilmPiece};
@@ -182,10 +184,8 @@ impl Upload {
         let path = folder.join(&self.name);
         let failed = |error: std::io::Error| format!("{}: {error}", path.display());
         self.part.as_file().sync_all().map_err(failed)?;
-        self.part.persist_noclobber(&path).map_err(|error| failed(error.error))?;
-        // Its name must survive a loss of power as well.
-        File::open(folder).and_then(|folder| folder.sync_all()).map_err(failed)?;
-        Ok(self.digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+        atomic::put_new(self.part.into_temp_path(), &path).map_err(failed)?;
+        Ok(hex(&self.digest.finalize()))
     }
 }
 

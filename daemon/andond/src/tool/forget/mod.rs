@@ -7,6 +7,7 @@ mod pictures;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
+use andon_host::atomic;
 use andon_host::config::Config;
 use andon_host::exit::Code;
 use andon_record::store::{self, Recording, Removed};
@@ -41,7 +42,7 @@ pub fn run(arguments: &Forget) -> Result<Code, ToolError> {
     }
     let written = remove_all(&config, &found)?;
     for path in pictures.iter().map(|picture| &picture.path).chain(&looks) {
-        store::remove_file(path).map_err(|source| ToolError::Remove { path: path.clone(), source })?;
+        atomic::remove_file(path).map_err(|source| ToolError::Remove { path: path.clone(), source })?;
         println!("removed: {}", path.display());
     }
     for path in &written {
@@ -73,7 +74,7 @@ fn remove_all(config: &Config, found: &[Recording]) -> Result<Vec<PathBuf>, Tool
     }
     // A folder that is not there has none.
     for path in store::orphans(&config.recordings()).unwrap_or_default() {
-        store::remove_file(&path).map_err(failed(&path))?;
+        atomic::remove_file(&path).map_err(failed(&path))?;
         println!("removed, it belonged to no recording: {}", path.display());
     }
     error.map_or(Ok(written), Err)
