@@ -4,12 +4,11 @@
 use andon_ipc::{Node, Stop};
 use andon_record::store;
 use andon_tests::browser::{Browser, Tab};
-use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, andond, ask, free_port, root, status};
+use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, andond, ask, root, status};
 use andon_tests::simulator::Flaw;
 use rustix::process::Signal;
 use serde_json::json;
 use shm_schemas::RoleId;
-use std::net::TcpListener;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
@@ -20,17 +19,10 @@ const WHOLE: [u32; 2] = [1920, 1600];
 /// What is left of Full HD at 200 %.
 const TWICE: [u32; 2] = [960, 540];
 
-/// Gives a line a board, and returns its port.
-fn with_board(line: &Line) -> u16 {
-    let port = free_port();
-    line.reconfigure("[plc]\n", &format!("[board]\nenable = true\nport = {port}\n\n[plc]\n"));
-    port
-}
-
 /// A line whose worker leaves out half of the strokes again and again, and that is ready.
 fn at_work() -> (Line, Watcher, String) {
     let mut line = Line::new(Settings { flaw: Flaw::J1, ..Settings::live() });
-    let port = with_board(&line);
+    let port = line.board("enable = true\n");
     line.record("fault");
     let watcher = line.up();
     line.start("record");
@@ -73,7 +65,7 @@ const OBSERVE_ROWS: &str = "
 #[test]
 fn a_fault_on_a_film_a_board_that_is_killed_and_a_dead_line_are_said_and_the_page_comes_back_by_itself() {
     let mut line = Line::with_film("speed = \"file\"", "", &["-i", "p1_J1_r1.mp4"]);
-    let port = with_board(&line);
+    let port = line.board("enable = true\n");
     // A cold browser may take longer than the board calls a line that is not up one that starts.
     let mut browser = Browser::start();
     let tab = browser.open("data:text/html,warm", FULL_HD);
@@ -320,7 +312,7 @@ fn places(line: &Line) -> usize {
 #[test]
 fn the_technician_sees_the_picture_with_what_is_seen_in_it_and_nobody_reads_frames_without_one() {
     let mut line = Line::with_film("speed = \"file\"", "", &["-i", "p1_J1_r1.mp4"]);
-    let port = with_board(&line);
+    let port = line.board("enable = true\n");
     line.start("steward");
     line.start_all_but(&["steward"]);
     line.start("capture");
@@ -354,7 +346,7 @@ fn the_technician_sees_the_picture_with_what_is_seen_in_it_and_nobody_reads_fram
 /// A line that has recorded a fault on a film and is at its end, with its board.
 fn recorded() -> (Line, u16) {
     let mut line = Line::with_film("speed = \"file\"", "", &["-i", "p1_J1_r1.mp4"]);
-    let port = with_board(&line);
+    let port = line.board("enable = true\n");
     line.record("fault");
     let _watcher = line.launch_recorded();
     line.start("board");
@@ -528,7 +520,7 @@ fn a_fault_is_heard_where_the_address_asks_for_it_and_nowhere_else() {
 #[test]
 fn the_worker_sees_a_step_with_its_picture_where_teach_was_asked_to_keep_one() {
     let mut line = Line::with_film("speed = \"file\"", "", &["-i", "p1_none_r1.mp4"]);
-    let port = with_board(&line);
+    let port = line.board("enable = true\n");
     let shipped = root().join("config/jobs/polish-and-measure.toml");
     line.reconfigure(&format!("job = {shipped:?}"), "job = \"job.toml\"");
     let job = line.path("job.toml");
@@ -593,23 +585,4 @@ fn the_sixth_window_of_a_browser_is_watched_and_the_oldest_says_so_and_comes_bac
     // Something more can still be loaded.
     browser.go(&windows[0], &format!("{board}/technician"));
     browser.until(&windows[0], "document.querySelectorAll('#roles tbody tr').length > 0");
-}
-
-#[test]
-fn a_board_without_its_port_or_its_words_says_so() {
-    let mut line = Line::new(Settings::live());
-    let port = with_board(&line);
-    line.start("steward");
-    let taken = TcpListener::bind(("127.0.0.1", port)).unwrap();
-    line.start("board");
-    line.wait_for_log("board", "AND-622", "choose another board.port");
-    drop(taken);
-    line.start("board");
-    line.wait_for_log("board", "AND-620", "");
-    line.reconfigure("[board]\n", "[board]\nlanguage = \"tlh\"\n");
-    let run = ["run", "board", "--as-given", "--config"];
-    let output = Command::new(andond()).args(run).arg(line.config()).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(78), "{said}");
-    assert!(said.contains("AND-623") && said.contains("there are de, en, es, fr, zh"), "{said}");
 }

@@ -5,7 +5,7 @@ use andon_ipc::{Node, Reader};
 use andon_learn::job_file::JobFile;
 use andon_perception::Dictionary;
 use andon_tests::browser::{Browser, Tab};
-use andon_tests::line::{Line, NOISE, PATIENCE, Settings, Watcher, free_port, root, save_runs, stand_in};
+use andon_tests::line::{Line, NOISE, PATIENCE, Settings, Watcher, root, save_runs, stand_in};
 use andon_tests::simulator::Flaw;
 use rustix::process::Signal;
 use serde_json::json;
@@ -24,13 +24,10 @@ const CORNERS: [(u16, [f64; 2]); 4] =
 
 /// Starts a station without a job, which these roles belong to besides. It has a board on this machine, recordings, and a login for each rank.
 fn start(mut line: Line, besides: &[&'static str]) -> (Line, Watcher, String) {
-    let port = free_port();
     let text = fs::read_to_string(line.config()).unwrap();
     line.reconfigure(text.lines().find(|row| row.starts_with("job = ")).unwrap(), "jobs = \"jobs\"");
-    let tables = format!(
-        "[board]\nenable = true\nport = {port}\nlogins = \"logins.toml\"\n\n[executor]\nenable = true\npath = \"made\"\n\n[plc]\n"
-    );
-    line.reconfigure("[plc]\n", &tables);
+    let port =
+        line.board("enable = true\nlogins = \"logins.toml\"\n\n[executor]\nenable = true\npath = \"made\"\n");
     fs::create_dir_all(line.path("made/films")).unwrap();
     save_runs(&line.path("made/films"));
     for (name, role) in [("eva", "engineer"), ("tom", "technician")] {

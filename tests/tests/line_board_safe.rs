@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_tests::browser::Browser;
-use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, andond, free_port, status};
+use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, andond, status};
 use andon_tests::simulator::Flaw;
 use rustix::process::Signal;
 use serde_json::json;
@@ -18,13 +18,9 @@ const PASSWORD: &str = "correct horse";
 
 /// Gives a line a board that other machines reach, with files of its own, and returns its port.
 fn on_the_network(line: &Line) -> u16 {
-    let port = free_port();
-    let board = format!(
-        "[board]\nenable = true\nport = {port}\nbind = \"0.0.0.0\"\ncertificate = \"board.pem\"\nkey = \"board.key\"\nlogins = \"logins.toml\"\n\n\
-         [plc]\n"
-    );
-    line.reconfigure("[plc]\n", &board);
-    port
+    line.board(
+        "enable = true\nbind = \"0.0.0.0\"\ncertificate = \"board.pem\"\nkey = \"board.key\"\nlogins = \"logins.toml\"\n",
+    )
 }
 
 /// Runs `andond board`; the password comes on the standard input.

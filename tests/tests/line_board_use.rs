@@ -3,7 +3,7 @@
 
 use andon_ipc::{Node, Stop};
 use andon_tests::browser::Browser;
-use andon_tests::line::{Killed, Line, Modbus, Settings, andond, free_port, root, status};
+use andon_tests::line::{Killed, Line, Modbus, Settings, andond, root, status};
 use andon_tests::simulator::Flaw;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::json;
@@ -77,8 +77,7 @@ fn places(line: &Line) -> [usize; 4] {
 #[test]
 fn a_line_without_a_board_pays_for_none_also_where_its_role_runs() {
     let mut line = Line::new(Settings::live());
-    let port = free_port();
-    line.reconfigure("[plc]\n", &format!("[board]\nport = {port}\n\n[plc]\n"));
+    let port = line.board("");
     let _watcher = line.up();
     let before = places(&line);
     assert!(before.iter().all(|places| *places > 0), "{before:?}");
@@ -93,8 +92,7 @@ fn a_line_without_a_board_pays_for_none_also_where_its_role_runs() {
 #[test]
 fn a_board_that_stood_still_while_a_picture_was_wanted_shows_the_next_one() {
     let mut line = Line::with_film("speed = \"file\"", "", &["-i", "p1_J1_r1.mp4"]);
-    let port = free_port();
-    line.reconfigure("[plc]\n", &format!("[board]\nenable = true\nport = {port}\n\n[plc]\n"));
+    let port = line.board("enable = true\n");
     // Without `perceive` nobody says what is in a picture, and each waits for that.
     for role in ["steward", "capture", "board"] {
         line.start(role);
@@ -118,8 +116,7 @@ fn a_board_that_stood_still_while_a_picture_was_wanted_shows_the_next_one() {
 #[test]
 fn a_page_that_did_not_get_its_script_or_its_style_is_loaded_again_by_itself() {
     let mut line = Line::new(Settings::live());
-    let port = free_port();
-    line.reconfigure("[plc]\n", &format!("[board]\nenable = true\nport = {port}\n\n[plc]\n"));
+    let port = line.board("enable = true\n");
     let _watcher = line.up();
     line.start("board");
     line.wait_for_log("board", "AND-620", "");
@@ -138,6 +135,25 @@ fn a_page_that_did_not_get_its_script_or_its_style_is_loaded_again_by_itself() {
         browser.block(&tab, &[]);
         browser.until(&tab, is_whole);
     }
+}
+
+#[test]
+fn a_board_without_its_port_or_its_words_says_so() {
+    let mut line = Line::new(Settings::live());
+    let port = line.board("enable = true\n");
+    line.start("steward");
+    let taken = TcpListener::bind(("127.0.0.1", port)).unwrap();
+    line.start("board");
+    line.wait_for_log("board", "AND-622", "choose another board.port");
+    drop(taken);
+    line.start("board");
+    line.wait_for_log("board", "AND-620", "");
+    line.reconfigure("[board]\n", "[board]\nlanguage = \"tlh\"\n");
+    let run = ["run", "board", "--as-given", "--config"];
+    let output = Command::new(andond()).args(run).arg(line.config()).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(78), "{said}");
+    assert!(said.contains("AND-623") && said.contains("there are de, en, es, fr, zh"), "{said}");
 }
 
 /// A network between browsers and a board.
@@ -186,9 +202,7 @@ fn carry(mut from: TcpStream, mut to: TcpStream, is_cut: &AtomicBool) {
 #[test]
 fn pages_behind_a_network_that_is_cut_say_so_and_come_back_by_themselves_with_what_happened_meanwhile() {
     let mut line = Line::new(Settings { flaw: Flaw::J1, ..Settings::live() });
-    let port = free_port();
-    let board = format!("[board]\nenable = true\nport = {port}\nhosts = [\"bench1\"]\n\n[plc]\n");
-    line.reconfigure("[plc]\n", &board);
+    let port = line.board("enable = true\nhosts = [\"bench1\"]\n");
     let mut watcher = line.up();
     line.start("board");
     line.wait_for_log("board", "AND-620", "");

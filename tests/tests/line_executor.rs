@@ -10,15 +10,14 @@ use shm_schemas::{
     FilmPiece, PIECE_BYTES, Printed, PrintedState, RoleId, Showing, TASK_LATE_NS, Task, TaskKind, task_flag,
 };
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// A station without a job, with recordings to teach from.
 fn station() -> Line {
     let line = Line::new(Settings::live());
     line.reconfigure("job = \"job.toml\"\n", "jobs = \"jobs\"\n");
-    let tables = "[board]\nenable = true\n\n[executor]\nenable = true\npath = \"made\"\n\n[plc]\n";
-    line.reconfigure("[plc]\n", tables);
+    line.board("enable = true\n\n[executor]\nenable = true\npath = \"made\"\n");
     fs::create_dir_all(line.path("made/films")).unwrap();
     save_runs(&line.path("made/films"));
     line
@@ -127,6 +126,24 @@ fn start_again(line: &mut Line, watcher: &mut Watcher) {
     watcher.until("the executor", |watcher| watcher.runs(RoleId::Executor, pid));
 }
 
+/// A station whose executor is ready, who watches it, and who orders.
+fn at_work() -> (Line, Watcher, Board) {
+    let mut line = station();
+    let watcher = line.launch();
+    line.start("executor");
+    line.wait_for_log("executor", "AND-629", "");
+    let board = Board::new(&line);
+    (line, watcher, board)
+}
+
+/// Keeps a version of a job that is not there: where that job belongs, the version and its hash.
+fn with_a_version(line: &Line) -> (PathBuf, JobFile, String) {
+    let version = job(&line.path("job.toml"));
+    let hash = format!("{:016x}", version.model_hash());
+    fs::write(line.path(&format!("made/versions/polish.{hash}.toml")), version.to_toml()).unwrap();
+    (line.path("jobs/polish.toml"), version, hash)
+}
+
 fn job(path: &Path) -> JobFile {
     JobFile::parse("job.toml", &fs::read(path).unwrap()).unwrap()
 }
@@ -136,11 +153,7 @@ const FILMS: &str =
 
 #[test]
 fn a_job_is_taught_named_loaded_taught_again_and_rolled_back_by_orders_and_the_journal_has_who_ordered_it() {
-    let mut line = station();
-    let mut watcher = line.launch();
-    line.start("executor");
-    line.wait_for_log("executor", "AND-629", "");
-    let mut board = Board::new(&line);
+    let (line, mut watcher, mut board) = at_work();
     let path = line.path("jobs/polish.toml");
 
     let teach = board.order(TaskKind::TeachFilms, "polish", FILMS);
@@ -198,10 +211,7 @@ fn a_job_is_taught_named_loaded_taught_again_and_rolled_back_by_orders_and_the_j
 
 #[test]
 fn one_task_runs_at_a_time_is_answered_and_stopped_with_all_that_it_has_started() {
-    let mut line = station();
-    let _watcher = line.launch();
-    line.start("executor");
-    let mut board = Board::new(&line);
+    let (line, _watcher, mut board) = at_work();
     let teach = board.order_with(TaskKind::TeachLive, "shown", "3", task_flag::FORCE, 0);
     let (mut showing, mut said) = (None, String::new());
     while showing != Some(Showing::Run) {
@@ -237,10 +247,7 @@ fn one_task_runs_at_a_time_is_answered_and_stopped_with_all_that_it_has_started(
 
 #[test]
 fn what_leads_out_of_its_folders_is_refused_and_said_to_be_so() {
-    let mut line = station();
-    let _watcher = line.launch();
-    line.start("executor");
-    let mut board = Board::new(&line);
+    let (line, _watcher, mut board) = at_work();
     for (kind, name, text) in [
         (TaskKind::TeachFilms, "../outside", FILMS),
         (TaskKind::TeachFilms, "polish", "../../work.tracks.jsonl"),
@@ -259,10 +266,7 @@ fn what_leads_out_of_its_folders_is_refused_and_said_to_be_so() {
 
 #[test]
 fn a_role_that_is_stopped_ends_its_task_and_one_that_starts_again_does_only_what_is_ordered_then() {
-    let mut line = station();
-    let mut watcher = line.launch();
-    line.start("executor");
-    let mut board = Board::new(&line);
+    let (mut line, mut watcher, mut board) = at_work();
     let teach = board.order(TaskKind::TeachLive, "shown", "3");
     board.until(teach, "run 1 of 3");
     line.role("executor").signal(Signal::TERM);
@@ -286,11 +290,7 @@ fn a_role_that_is_stopped_ends_its_task_and_one_that_starts_again_does_only_what
 
 #[test]
 fn a_damaged_job_is_put_back_or_taught_anew_and_a_version_that_cannot_be_loaded_leaves_the_file_as_it_was() {
-    let mut line = station();
-    let _watcher = line.launch();
-    line.start("executor");
-    line.wait_for_log("executor", "AND-629", "");
-    let mut board = Board::new(&line);
+    let (mut line, _watcher, mut board) = at_work();
     let (path, taught) = (line.path("jobs/polish.toml"), job(&line.path("job.toml")));
     let hash = format!("{:016x}", taught.model_hash());
     fs::write(line.path(&format!("made/versions/polish.{hash}.toml")), taught.to_toml()).unwrap();
@@ -331,14 +331,8 @@ fn kill_while_it_puts_back(line: &mut Line, board: &mut Board, hash: &str) {
 #[test]
 fn what_a_killed_role_has_changed_for_its_task_is_put_back_at_its_next_start_unless_somebody_has_written_there()
  {
-    let mut line = station();
-    let mut watcher = line.launch();
-    line.start("executor");
-    line.wait_for_log("executor", "AND-629", "");
-    let mut board = Board::new(&line);
-    let (path, version) = (line.path("jobs/polish.toml"), job(&line.path("job.toml")));
-    let hash = format!("{:016x}", version.model_hash());
-    fs::write(line.path(&format!("made/versions/polish.{hash}.toml")), version.to_toml()).unwrap();
+    let (mut line, mut watcher, mut board) = at_work();
+    let (path, _version, hash) = with_a_version(&line);
     // Nobody loads it, and the task waits.
     line.role("judge").kill();
     fs::write(&path, "as it was").unwrap();
@@ -357,14 +351,8 @@ fn what_a_killed_role_has_changed_for_its_task_is_put_back_at_its_next_start_unl
 
 #[test]
 fn a_job_that_the_line_has_loaded_stays_although_the_role_is_killed_before_it_hears_of_it() {
-    let mut line = station();
-    let mut watcher = line.launch();
-    line.start("executor");
-    line.wait_for_log("executor", "AND-629", "");
-    let mut board = Board::new(&line);
-    let (path, version) = (line.path("jobs/polish.toml"), job(&line.path("job.toml")));
-    let hash = format!("{:016x}", version.model_hash());
-    fs::write(line.path(&format!("made/versions/polish.{hash}.toml")), version.to_toml()).unwrap();
+    let (mut line, mut watcher, mut board) = at_work();
+    let (path, version, hash) = with_a_version(&line);
     fs::write(&path, "as it was").unwrap();
     let back = board.order(TaskKind::RollBack, "polish", &hash);
     assert_eq!(board.hears(back).0, PrintedState::Begun);
@@ -384,11 +372,7 @@ fn a_job_that_the_line_has_loaded_stays_although_the_role_is_killed_before_it_he
 
 #[test]
 fn a_recording_that_is_sent_has_its_name_once_it_is_whole_and_the_journal_has_who_sent_it_and_its_hash() {
-    let mut line = station();
-    let mut watcher = line.launch();
-    line.start("executor");
-    line.wait_for_log("executor", "AND-629", "");
-    let mut board = Board::new(&line);
+    let (mut line, mut watcher, mut board) = at_work();
     let mut pieces = board.node.writer::<FilmPiece>().unwrap();
     pieces.follow(&[RoleId::Executor]);
     let mut send = |board: &mut Board, name: &str, [film, at, size]: [u64; 3], bytes: &[u8]| {
@@ -448,10 +432,7 @@ fn a_recording_that_is_sent_has_its_name_once_it_is_whole_and_the_journal_has_wh
 
 #[test]
 fn an_order_that_comes_after_the_page_has_said_that_nobody_does_it_is_not_done() {
-    let mut line = station();
-    let _watcher = line.launch();
-    line.start("executor");
-    let mut board = Board::new(&line);
+    let (mut line, _watcher, mut board) = at_work();
     // It hears.
     let back = board.order(TaskKind::RollBack, "polish", "none");
     assert_eq!(board.ends(back).0, PrintedState::Refused);

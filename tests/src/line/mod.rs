@@ -149,6 +149,13 @@ impl Line {
         fs::write(self.config(), text.replace(from, to)).unwrap();
     }
 
+    /// Gives the station a board with these keys besides its port, which is returned.
+    pub fn board(&self, keys: &str) -> u16 {
+        let port = free_port();
+        self.reconfigure("[plc]\n", &format!("[board]\nport = {port}\n{keys}\n[plc]\n"));
+        port
+    }
+
     /// The worker's track file.
     pub fn tracks(&self) -> PathBuf {
         self.path("work.tracks.jsonl")
