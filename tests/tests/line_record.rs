@@ -110,6 +110,30 @@ fn commands_in_the_middle_of_a_job_come_at_the_same_place_again() {
 }
 
 #[test]
+fn a_recorder_that_stands_still_while_commands_come_has_what_became_of_each() {
+    let mut line = Line::with_second_job(Settings { writes: true, ..Settings::live() });
+    line.record("always");
+    let mut watcher = line.launch_recorded();
+    let mut plc = Modbus::connect_when_up(line.port);
+    plc.enable();
+    watcher.until("a piece", |watcher| watcher.phase() == Some(JudgePhase::Running));
+    line.role("record").signal(Signal::STOP);
+    for _ in 0..4 {
+        plc.control(control::ENABLE | control::ABORT).unwrap();
+        watcher.until("the end of the piece", |watcher| watcher.phase() == Some(JudgePhase::Waiting));
+        plc.control(control::ENABLE).unwrap();
+        plc.control(control::ENABLE | control::START).unwrap();
+        watcher.until("a piece", |watcher| watcher.phase() == Some(JudgePhase::Running));
+    }
+    line.role("record").signal(Signal::CONT);
+    plc.control(control::ENABLE).unwrap();
+    let before = watcher.verdicts.len();
+    watcher.until("verdicts", |watcher| watcher.verdicts.len() >= before + 2);
+    stop(&mut line);
+    all_are_equal(&line, &only_recording(&line), before + 2);
+}
+
+#[test]
 fn a_recording_that_begins_before_a_job_is_loaded_is_judged_again_with_the_same_verdicts() {
     let mut line = Line::with_second_job(Settings { writes: true, ..Settings::live() });
     line.reconfigure("job = \"job.toml\"\n", "");
