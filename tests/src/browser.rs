@@ -169,7 +169,8 @@ impl Browser {
     /// Goes on by the Tab key until what has the focus makes a JavaScript expression true.
     pub fn tab_to(&mut self, tab: &Tab, expression: &str) {
         for _ in 0..500 {
-            if self.value(tab, expression) == json!(true) {
+            // A page whose script has not come yet has nothing that could have the focus.
+            if self.is(tab, expression) {
                 return;
             }
             self.press(tab, "Tab", 9);
