@@ -1,6 +1,6 @@
 //! Statistics of small samples.
 
-use statrs::distribution::{Beta, ChiSquared, ContinuousCDF, StudentsT};
+use statrs::distribution::{Beta, ContinuousCDF, StudentsT};
 
 /// The mean; 0 if there are no values.
 pub fn mean(values: &[f64]) -> f64 {
@@ -77,9 +77,4 @@ pub(crate) fn noise_m(places: &[Option<[f32; 3]>]) -> f32 {
         |places: &[Option<[f32; 3]>]| f64::from(andon_core::couple::jitter_bound_m(places.iter().copied()));
     let known: Vec<f64> = places.chunks(NOISE_FRAMES).map(of).filter(|noise_m| *noise_m > 0.0).collect();
     median(&known) as f32
-}
-
-/// The value that chi-squared with `freedom` degrees of freedom stays below with this probability; infinite for 0.
-pub(crate) fn chi_squared(freedom: f64, probability: f64) -> f64 {
-    ChiSquared::new(freedom).map_or(f64::INFINITY, |distribution| distribution.inverse_cdf(probability))
 }

@@ -201,7 +201,7 @@ impl Rates {
     /// How many reversals are not counted of the shortest strokes that may be right, where people differ more than people in general. The first and
     /// the last stroke begin and end in the middle.
     fn uncounted(&self, iu: &ShownIu) -> u32 {
-        let is_short = self.people.variety > 1.0 && self.stroke_m(iu, Strength::GENERAL).min < 2.0 * MOVED_M;
+        let is_short = self.people.differ_more() && self.stroke_m(iu, Strength::GENERAL).min < 2.0 * MOVED_M;
         if is_short { 2 * BORDER_REVERSALS } else { 0 }
     }
 
@@ -383,14 +383,13 @@ pub(super) fn interval(
     people: People,
     strength: Strength,
 ) -> (f64, f64) {
-    let People { one_person, variety, freedom: of_variety } = people;
+    let People { one_person, variety, freedom } = people;
     let prior = (variety * prior).powi(2);
     let of_many = variance_of_one_more(values, prior);
     // The mean is that person's, from whom another one differs, and both do from time to time.
     let of_one = 2.0 * (1.0 - OF_ONE_PERSON) * prior + variance_of_one_more(values, OF_ONE_PERSON * prior);
     let spread = (of_many + one_person * (of_one - of_many).max(0.0)).sqrt();
-    // How much more than others these people differ is as uncertain again.
-    let known = 1.0 / (1.0 / pooled_freedom(values.len()) + 1.0 / of_variety);
+    let known = 1.0 / (1.0 / pooled_freedom(values.len()) + 1.0 / freedom);
     // Half of them on each side.
     (mean(values), strength.wider() * student_t(known, false_alarms / 2.0) * spread)
 }
@@ -518,7 +517,7 @@ mod tests {
         let at_meter = Context([1, 6, 6, 3]);
         let frames = [28, 34, 31, 47, 25, 36, 40];
         let min = |variety| {
-            let people = People { one_person: 0.0, variety, freedom: f64::INFINITY };
+            let people = People { variety, ..People::IN_GENERAL };
             let (rates, iu) = of_people(people, at_meter, &shown, &frames);
             rates.frames(&iu, 30.0, Strength::GENERAL).map(|(min, _)| min)
         };
@@ -540,17 +539,6 @@ mod tests {
             rates.reversals(&iu, Strength::GENERAL).min
         };
         assert_eq!([min(0.07, 1.0), min(0.07, 3.0), min(0.04, 1.0), min(0.2, 3.0)], [12, 10, 12, 12]);
-    }
-
-    #[test]
-    fn that_people_differ_more_is_uncertain_and_makes_the_bounds_wider_than_as_many_times() {
-        let values = [0.1, -0.2, 0.3, -0.1, 0.0, 0.2, -0.3];
-        let apart = |prior, variety, freedom| {
-            interval(&values, prior, 0.01, People { one_person: 0.0, variety, freedom }, Strength::GENERAL).1
-        };
-        // The spread is the same, and there are half of 22 degrees of freedom instead of 22.
-        let ratio = apart(0.1, 2.0, 22.0) / apart(0.2, 1.0, f64::INFINITY);
-        assert!((ratio - student_t(11.0, 0.005) / student_t(22.0, 0.005)).abs() < 1e-9, "{ratio}");
     }
 
     #[test]

@@ -148,9 +148,9 @@ impl TeachReport {
 
     fn variety(&self) -> Option<String> {
         let variety = self.people.variety;
-        (variety > 1.0).then(|| {
+        self.people.differ_more().then(|| {
             format!(
-                "those who showed the runs differ up to {variety:.1} times as much as people in general, and bounds are as much wider. \
+                "those who showed the runs seem to differ {variety:.1} times as much as people in general, and bounds are as much wider. \
                  Small faults are right then: where one run is not as the work should be, teach without it"
             )
         })
