@@ -96,7 +96,6 @@ pub(super) struct OpenActivity {
     possibly_ended: ActivitySet,
     /// An object that it may use, unseen up to some time in it; 0 where it is not known which. What it looks like without that is not known.
     pub(super) never_seen: Option<u16>,
-    /// It has its verdict.
     pub(super) is_concluded: bool,
 }
 
@@ -153,9 +152,8 @@ impl OpenActivity {
         }
     }
 
-    /// The next IU begins in this context, and moves the places on if it has certainly happened. One that may not have is as good as hidden.
-    /// Something may have come and gone in some `hidden` frames before it. With `was_idle` the hand was certainly idle since the one before. Returns
-    /// its number.
+    /// The next IU begins in this context, and moves the places on if it has certainly happened. Something may have come and gone in `hidden` frames
+    /// before it. With `was_idle` the hand was certainly idle since the one before. Returns its number.
     pub(super) fn next_iu(
         &mut self,
         job: &Job<'_>,
@@ -347,8 +345,8 @@ impl OpenActivity {
         self.ius == 0 && all.all(|(places, _)| places.is_certainly(0))
     }
 
-    /// Whether it is certain which IUs of its candidates have come, and each was seen; after a fault, whether all before was judged. What comes
-    /// behind an IU that was not seen may have begun elsewhere, so its measures accuse nobody.
+    /// Whether it is certain which IUs of its candidates have come, and each was seen; after a fault, whether all before was judged. Behind an IU that
+    /// was not seen measures accuse nobody: what comes may have begun elsewhere.
     pub(super) fn is_place_certain(&self) -> bool {
         let is_certain = match self.against {
             Against::Candidates => {
@@ -396,8 +394,8 @@ impl OpenActivity {
         matches!(self.against, Against::Following(..)) && !self.is_concluded
     }
 
-    /// Finds with which nominal activities the context of the newest IU, with parts of the job or without, agrees as it was seen. Returns whether it
-    /// came between those of nominal activities that allow that.
+    /// Finds with which nominal activities the context of the newest IU agrees as it was seen. Returns whether it, with parts of the job, came between
+    /// those of nominal activities that allow that.
     pub(super) fn agree(&mut self, job: &Job<'_>, has_parts: bool) -> bool {
         let context = self.newest;
         let newest = self.as_seen().wrapping_sub(1);
@@ -434,8 +432,8 @@ impl OpenActivity {
         self.nearest = nominal.or(self.nearest);
     }
 
-    /// After a fault: the nominal IU with this context that comes next in the nominal activity that is followed, or else any before it. If there is
-    /// none, it is one of another nominal activity, which is followed then. Returns the indices of the nominal activity and of the IU in it.
+    /// After a fault: the indices of the nominal activity that is followed and of its next IU with this context, or else of any before that. If there
+    /// is none, another nominal activity that has one is followed.
     pub(super) fn follow_on(&mut self, job: &Job<'_>, context: Context) -> Option<(usize, usize)> {
         let Against::Following(nominal, next) = self.against else { return None };
         let index = |nominal: usize, next| Some((nominal, index_from(job, nominal, next, context)?));
@@ -508,8 +506,7 @@ impl OpenActivity {
         }
     }
 
-    /// For when no candidate has `context` where it was before the newest IU. Follows the candidate that has it soonest after that, or else any
-    /// before it, or else the nearest so far.
+    /// No candidate has `context` where it was before the newest IU. Follows the one that has it soonest after that, or else before, or the nearest.
     pub(super) fn follow_nearest(&mut self, job: &Job<'_>, context: Context) {
         let candidates = self.candidates_before();
         let come = |nominal: usize| self.places_before[nominal].lowest().unwrap_or(0);

@@ -377,8 +377,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
-    /// The open IU is right: nominal activities of which it is certainly no IU are no candidates any more. The motion does not say where in one the
-    /// hand is. Bounds are those of few people, and a place that they rule out would make the next context wrong.
+    /// The open IU is right: nominal activities of which it is certainly no IU are no candidates any more. It rules out no places in the others.
+    /// Bounds are those of few people, and without a place the next context would be wrong.
     fn keep_right(&mut self, observation: IuObservation) {
         let is_certain = self.is_iu_certain();
         let Some(activity) = self.activity.as_mut().filter(|activity| !activity.candidates().is_empty())
@@ -400,8 +400,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         activity.keep(possible);
     }
 
-    /// Why too little is known of the open IU or activity. It is not watched any more, or most of its frames never came or did not show it. If all
-    /// showed it, something before it was not seen.
+    /// Why too little is known of the open IU or activity: of itself, or else of something before it.
     pub(super) fn unseen_cause(&self, progress: &Progress<'a>) -> Cause {
         let min_captured = progress.job.min_captured;
         let is_uncaptured = |iu: OpenIu| 2 * iu.observation.captured < iu.observation.frames;

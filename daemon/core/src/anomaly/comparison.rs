@@ -1,8 +1,7 @@
 //! The comparisons of an open IU with nominal IUs.
 //!
-//! With free ends a rest stands before and after each motion and each reference. Half a second of rest at a part would else differ in 15
-//! frames, as much as a motion in the wrong direction. Of 15 runs at half the speed, judged by another person's job, 12 were right without
-//! it and 14 are.
+//! With free ends a rest stands before and after each motion and each reference: half a second of rest at a part would else differ as much as a
+//! motion in the wrong direction. Of 15 runs at half the speed, judged by another person's job, 12 were right without it and 14 are.
 //!
 //! An IU of two parts may then have ended in one of the five frames before its last: the nearest of these six counts. Of 144 jobs of
 //! `learn_two_hands.rs` (`Workshop`) 139 are right without this and 141 with it.
@@ -16,16 +15,15 @@ use crate::segment::HIDDEN_SLACK;
 use crate::verdict::{Measure, Measured, Reason};
 use heapless::Vec;
 
-/// The other hand may end the contact of two parts. Then this hand may go on some frames earlier, while they are still within the width of the
-/// contact. It does so in as many as a change takes to be believed by default.
+/// Where the other hand ends the contact of two parts, this one may go on while they are still within the width of the contact. That takes as many
+/// frames as a change takes to be believed by default.
 const BORDER_FRAMES: usize = 5;
 
 /// The comparison of the open IU with one nominal IU.
 #[derive(Clone, Copy, Debug)]
 struct Comparison<'a> {
-    /// Index of the nominal activity in the job.
+    /// The indices of the nominal activity in the job, and of the IU in it.
     nominal: usize,
-    /// Index of the IU in it.
     index: usize,
     iu: &'a NominalIu<'a>,
     /// The IU cannot be this one any more, so its distance is not computed further.
@@ -37,9 +35,8 @@ struct Comparison<'a> {
 /// The result of a comparison, so far or at the end of the IU.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ComparisonResult {
-    /// Index of the nominal activity in the job.
+    /// The indices of the nominal activity in the job, and of the IU in it.
     pub(super) nominal: usize,
-    /// Index of the IU in it.
     pub(super) index: usize,
     /// The rule that is broken, or [`Reason::None`].
     pub(super) reason: Reason,

@@ -1,10 +1,8 @@
-//! A hand that touches what a step moves, moves nothing and lets go has not begun that step. It corrects its grip, or has thought better of it.
+//! A hand that touches what a step moves, moves nothing and lets go has not begun that step. It corrects its grip, or has thought better of it. One
+//! that takes again what it has just put down, and lets go of it, puts it right: it goes on with the last IU of what it has done.
 //!
-//! One that takes again what it has just put down, and lets go of it, puts it right. It goes on with the last IU of what it has done, and moves no
-//! farther than that does.
-//!
-//! While a touch that moves nothing was a step, 9 of 60 right runs by feel were accused. With a hand lost for two seconds it was 15 of 120. Before what
-//! was done could be put right, it was 9 of 90. Now 2 of 45 are, and 3 of 90 with such a hand.
+//! While a touch that moves nothing was a step, 9 of 60 right runs by feel were accused. Before what was done could be put right, it was 9 of 90. Now
+//! it is 2 of 45, and 3 of 90 with a hand that is lost for two seconds.
 
 use super::comparison::Memory;
 use super::hand::{Finding, HandJudge};
@@ -52,8 +50,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             || self.last_done.is_some_and(|last| last.goes_on(context, observation))
     }
 
-    /// The first IU has ended, and the hand goes on in the `next` context, if any comes. Whether that was no IU, or may have been none because not
-    /// all of it was seen; then the activity is not judged. What the hand does next is another activity.
+    /// The first IU has ended, and the hand goes on in the `next` context, if any comes. Whether it was none, or may have been because not all of it was
+    /// seen; then the activity is not judged. What the hand does next is another one.
     pub(super) fn gives_up(
         &mut self,
         observation: IuObservation,

@@ -22,16 +22,13 @@ pub(super) struct OpenIu {
     pub(super) number: u16,
     pub(super) context: Context,
     pub(super) began_ns: u64,
-    /// When it ended; none while it goes on.
     pub(super) ended_ns: Option<u64>,
     /// For how many frames it has been open, with those that are missing.
     pub(super) elapsed: u32,
     pub(super) observation: IuObservation,
     /// The measure that is out of its bounds, once that was decided.
     pub(super) measured: Option<Measured>,
-    /// It was seen well enough that it has happened.
     pub(super) is_certain: bool,
-    /// It has its verdict.
     pub(super) is_concluded: bool,
 }
 

@@ -1,6 +1,5 @@
-//! The contexts that are possible for one hand, and for how many frames something may have come and gone unseen.
-//!
-//! A couple leaves one context, which is *certain*, or several. Any context that can be reached from the one that was certain last is possible then.
+//! The contexts that are possible for one hand, and for how many frames something may have come and gone unseen. A couple leaves one context, which is
+//! *certain*, or several: any that can be reached from the one that was certain last.
 
 use super::activity::Remainder;
 use crate::config::Method;
@@ -143,9 +142,8 @@ impl HandDoubt {
         }
     }
 
-    /// Where the context changed with the newest couple, it may have changed as many frames before. Whether two move together is read from as many
-    /// frames before the change. Behind a gap a change is believed as much later as the contact takes to be known again. That is two windows: with one or
-    /// three 11 or 5 of 3,700 drawn streams differ.
+    /// Where the context changed with the newest couple, it may have changed as many frames before. Behind a gap a change is believed as much later as
+    /// the contact takes to be known again. That is two windows: with one or three 11 or 5 of 3,700 drawn streams differ.
     pub(super) fn gap(&self) -> u32 {
         let clear = self.clear_frames.unwrap_or(0);
         let is_behind = clear <= self.persist_frames;
@@ -180,8 +178,7 @@ impl HandDoubt {
         IDLE_PERSISTS * self.persist_frames
     }
 
-    /// In this many hidden frames the hand may have let go of everything. It is idle until that is believed. A gap counts for as many frames more, in
-    /// which something before it may have been overlooked.
+    /// In this many hidden frames the hand may have let go of everything: until that is believed, and before it in which something was overlooked.
     pub(super) fn end_frames(&self) -> u32 {
         2 * self.persist_frames
     }
@@ -213,8 +210,8 @@ impl HandDoubt {
         self.certain.map_or(u32::MAX, |_| self.since_certain.saturating_add(self.persist_frames))
     }
 
-    /// [`hidden_before`](Self::hidden_before) for an activity that begins with this context. It may be the remainder of one with the same object, or
-    /// may have begun before the hand was seen to hold something. Takes note of whether it may be a remainder.
+    /// [`hidden_before`](Self::hidden_before) for an activity that begins with this context. It may have begun before the hand was seen to hold
+    /// something. Takes note of whether it may be the remainder of one with the same object.
     pub(super) fn begin_activity(&mut self, context: Context) -> u32 {
         let is_same = self.certain.is_some_and(|certain| certain.o_j() == context.0[1]);
         let is_remainder =

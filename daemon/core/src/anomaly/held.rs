@@ -1,6 +1,5 @@
-//! An IU that seems to have ended where something was not seen. It may go on, or may have been a part of another stretch.
-//!
-//! Where it would be wrong if it has ended, its verdict waits until it is certain that it has. Until then what comes is not decided either.
+//! An IU that seems to have ended where something was not seen. Where it would be wrong if it has, its verdict waits until it is certain that it has.
+//! Until then what comes is not decided either.
 
 use super::comparison::{ComparisonResult, Memory};
 use super::hand::{Finding, HandJudge, OpenIu};

@@ -6,8 +6,8 @@ use super::progress::{Progress, quickest};
 use crate::segment::Iu;
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
-    /// An IU has ended that was seen well. A step that was not shown may do the work of a step that must come now, with another part. Then that part
-    /// is wrong. Only strokes tell such work from a part that is held or put aside; without them it shows when the step is missed.
+    /// An IU has ended that was seen well. Where it does the work of a step that must come now, its part is wrong. Only strokes tell such work from a
+    /// part that is held or put aside; without them it shows when the step is missed.
     pub(super) fn compare_but_for_part(&mut self, iu: &Iu, progress: &mut Progress<'a>) {
         let Some((open, activity)) = self.iu.zip(self.activity.as_mut()) else { return };
         let (job, number) = (progress.job, usize::from(open.number));

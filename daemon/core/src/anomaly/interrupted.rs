@@ -1,7 +1,5 @@
-//! A hand corrects its grip: it lets go in the middle of an activity and takes the same part again, in the same context. The IU goes on.
-//!
-//! Nothing that the runs prove says that a hand never lets go. So the IU has its verdict only when something else begins, unless it is certainly
-//! wrong before. An activity in which the job has the same IU twice counts it twice.
+//! A hand corrects its grip: it lets go in the middle of an activity and takes the same part again, in the same context. The IU goes on, and has its
+//! verdict only when something else begins, unless it is certainly wrong before. Where the job has the same IU twice, it counts twice.
 
 use super::activity::{Against, Step};
 use super::comparison::Memory;

@@ -2,21 +2,17 @@
 //!
 //! # Important terms
 //!
-//! - *Nominal activity*: a taught sequence of nominal IUs, an element of the list `J`. A *nominal IU* has a context, a reference
-//!   motion, a threshold and bounds of its length and reversals. Several nominal activities may be variants of one activity.
+//! - *Nominal activity*: a taught sequence of nominal IUs, an element of the list `J`. Several may be variants of one activity.
 //! - *Places*: for each nominal activity, how many of its IUs may have come. It is `i` of Algorithm 1, or several where not all was seen.
 //! - *Candidate*: a nominal activity in which the open activity has a place: an element of `J \ L`.
-//! - *Comparison*: the open IU against a nominal IU that it may be: the DTW distance so far, the length and the reversals. It is *lost*
-//!   when it cannot come out right any more. The IU is wrong when all its comparisons are lost.
+//! - *Comparison*: the open IU against a nominal IU that it may be. It is *lost* when it cannot come out right any more. The IU is wrong when all are.
 //! - *Following*: once no candidate is left, the other IUs are still judged, each on its own, against the nearest nominal activity.
-//! - *Nearest*: the nominal activity with the smallest ratio of distance to threshold, or, where motions say nothing, the one that has the
-//!   context soonest.
+//! - *Nearest*: the nominal activity with the smallest ratio of distance to threshold. Where motions say nothing, it has the context soonest.
 //! - *Matched*: the activity has reached the last IU of a candidate. It *waits* for its verdict while a longer candidate may go on.
-//! - *Out of order*: an activity that breaks a law of the job ([`Law`](crate::job::Law)).
 //! - *Step*: what an activity is to the job. One that was not shown, with parts of the job, breaks no law and is not judged: a *note* asks
 //!   whether it was right. So does another order, a repetition or another hand that was not shown.
-//! - *Release state*: the hand has let go of an object that still touches another. Such an IU is judged by its context alone,
-//!   at its beginning: it lasts until the next touch, which says nothing about the work.
+//! - *Release state*: the hand has let go of an object that still touches another. It lasts until the next touch, which says nothing about the work.
+//!   So it is judged by its context alone, at its beginning.
 //! - *Settle*: to decide on an activity once all events of one frame have been taken for both hands.
 //! - *Doubtful*: so little was seen that several contexts are possible: one may have come, gone or been another one ([`Unseen::CHANGE`]).
 //! - *Certain*: seen well enough that it has happened. An IU that began in doubt is judged once its context has been shown without doubt.
@@ -25,8 +21,8 @@
 //!
 //! What the paper leaves open is decided as follows. `C`, `L` and `i` start again with every activity. An IU is wrong as soon as the minimum of the
 //! newest DTW row is above the thresholds of all comparisons: it never falls. Lengths and reversals have taught bounds, because DTW forgives a
-//! repeated motion that is cut short. It pairs ends with ends, and would pair a rest at an end with motion in a run that has none
-//! ([`Job::has_free_ends`]). A hand may also correct its grip (`interrupted`), think better of a touch or put right what it has done (`grip`).
+//! repeated motion that is cut short. A rest at either end costs nothing ([`Job::has_free_ends`]). A hand may also correct its grip (`interrupted`),
+//! think better of a touch or put right what it has done (`grip`).
 //!
 //! # Doubt
 //!
@@ -43,12 +39,11 @@
 //!   of which fewer frames were captured than the job needs ([`Job::min_captured`]) is neither right nor wrong.
 //!
 //! Three things widen the doubt beyond a gap. An activity that was not judged may go on with the same part, unless the hand was certainly idle
-//! (`hand_doubt`). An activity in progress may have ended, and one that came again, or after all had come, may be of the next piece. Each is a set
-//! that only ever excuses (`progress`). Where nobody watched for long enough, what is seen next may be of another piece
-//! (`progress::another_piece`). No job is right that spans such a gap.
+//! (`hand_doubt`). An activity in progress may have ended, and one that came again, or after all had come, may be of the next piece (`progress`).
+//! Where nobody watched for long enough, what is seen next may be of another piece, and no job is right that spans such a gap
+//! (`progress::another_piece`).
 //!
-//! A verdict of *not judged* names what was missing most in all that it depends on, and for how long ([`Missing`](crate::verdict::Missing)). An
-//! activity and a job name the first such thing in them.
+//! A verdict of *not judged* names what was missing most in all that it depends on. An activity and a job name the first such thing in them.
 //!
 //! Some things are assumed, so that more is judged. Hidden strokes go on at the pace of those that were seen, in at most a quarter of an IU
 //! (`observation`). The first step that is seen begins its piece, and both hands are at the same piece (`progress::order`). What was not seen keeps
@@ -247,7 +242,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         self.between_jobs()
     }
 
-    /// No job is under way: a pause shows that the next one begins. Otherwise the first pause may be one in the middle of a job.
+    /// No job is under way, so that a pause is none in the middle of a job: it shows that the next one begins.
     #[must_use]
     pub fn between_jobs(mut self) -> Self {
         self.segmenter.set_between_jobs(true);
@@ -438,8 +433,8 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
         self.progress.conclude(true);
     }
 
-    /// A hand has begun the next piece, and the IU of the other one ends with the job. As long as that hand keeps what it acts with, it is still at
-    /// it, be it in this IU or in the next one. So it is in a release state that lasts.
+    /// A hand has begun the next piece, and the IU of the other one ends with the job. While that hand keeps what it acts with, or a release state
+    /// lasts, it is still at it.
     fn break_off_held(&mut self, event: &segment::Event, couples: &Couples) {
         let segment::Event::IuEnded { side, iu } = event else { return };
         let next = couples.hands[side.index()].context;

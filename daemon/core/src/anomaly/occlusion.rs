@@ -1,7 +1,5 @@
-//! Frames that did not show what a hand acts on, because they never came or it was hidden, and how a verdict names them.
-//!
-//! Couples that never come count as frames in which nothing was seen. An `encode` that starts again loses what it held back, and an IU
-//! would seem too short without them.
+//! Frames that did not show what a hand acts on, because they never came or it was hidden, and how a verdict names them. Couples that never come, as
+//! where `encode` starts again, count as well: an IU would seem too short without them.
 
 use crate::couple::{Couple, Unseen, Visibility};
 use crate::input::Side;

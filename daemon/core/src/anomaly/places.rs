@@ -178,10 +178,11 @@ mod tests {
         Context([1, letter as u16, 0, 0])
     }
 
+    /// An IU for each letter; `.` is a release state.
     fn nominal(letters: &str) -> Vec<NominalIu<'static>> {
         let any = Bounds { min: 0, max: u32::MAX };
         let iu = |letter| NominalIu {
-            context: context(letter),
+            context: if letter == '.' { Context([0, 0, 1, 2]) } else { context(letter) },
             reference: &[],
             threshold: 0.0,
             frames: any,
@@ -191,60 +192,49 @@ mod tests {
         letters.chars().map(iu).collect()
     }
 
-    /// The places after these IUs of `gpgr`.
-    fn after(hidden: u32, ius: &[(char, u32)]) -> u64 {
-        let nominal = nominal("gpgr");
-        let begin = Places::new(hidden, &nominal);
-        ius.iter()
-            .fold(begin, |places, (letter, hidden)| places.step(&nominal, false, context(*letter), *hidden))
-            .0
+    #[test]
+    fn what_is_seen_has_one_place_and_what_is_hidden_leaves_each_to_what_may_come_after_it() {
+        for (before, ius, places) in [
+            (SEEN, &[('g', SEEN), ('p', SEEN), ('g', SEEN)][..], 1 << 3),
+            (SEEN, &[('g', SEEN), ('r', SEEN)], 0),
+            (SEEN, &[('g', SEEN), ('p', SEEN), ('g', SEEN), ('p', HIDDEN)], 0),
+            (SEEN, &[('g', SEEN), ('r', HIDDEN)], 1 << 4),
+            (SEEN, &[('g', HIDDEN)], 1 << 1 | 1 << 3),
+            (HIDDEN, &[('g', SEEN)], 1 << 1 | 1 << 3),
+            (HIDDEN, &[('g', SEEN), ('p', SEEN)], 1 << 2),
+            // What was not seen for a while may go on.
+            (SEEN, &[('g', SEEN), ('p', SEEN), ('p', HIDDEN)], 1 << 2),
+            (SEEN, &[('g', SEEN), ('p', SEEN), ('p', SEEN)], 0),
+        ] {
+            let nominal = nominal("gpgr");
+            let step = |places: Places, (letter, hidden): &(char, u32)| {
+                places.step(&nominal, false, context(*letter), *hidden)
+            };
+            let after = ius.iter().fold(Places::new(before, &nominal), step);
+            assert_eq!(after, Places(places), "{before} {ius:?}");
+        }
     }
 
     #[test]
-    fn what_is_seen_has_one_place_and_what_does_not_fit_has_none() {
-        assert_eq!(after(0, &[('g', SEEN), ('p', SEEN), ('g', SEEN)]), 1 << 3);
-        assert_eq!(after(0, &[('g', SEEN), ('r', SEEN)]), 0);
-        assert_eq!(after(0, &[('g', SEEN), ('p', SEEN), ('g', SEEN), ('p', HIDDEN)]), 0);
-    }
-
-    #[test]
-    fn hidden_ius_leave_a_place_only_to_what_may_come_after_them() {
-        assert_eq!(after(0, &[('g', SEEN), ('r', HIDDEN)]), 1 << 4);
-        assert_eq!(after(0, &[('g', HIDDEN)]), 1 << 1 | 1 << 3);
-        assert_eq!(after(u32::MAX, &[('g', SEEN)]), 1 << 1 | 1 << 3);
-        assert_eq!(after(u32::MAX, &[('g', SEEN), ('p', SEEN)]), 1 << 2);
-    }
-
-    #[test]
-    fn a_hand_that_was_idle_begins_where_it_may_have_let_go() {
-        let mut nominal = nominal("gpgg");
-        let after_idle = |nominal: &[NominalIu<'_>]| Places::new(u32::MAX, nominal).after_idle(nominal).0;
-        assert_eq!(after_idle(&nominal), 1 | 1 << 3 | 1 << 4);
-        nominal[1].context = Context([0, 0, 1, 2]);
-        assert_eq!(after_idle(&nominal), 1 | 1 << 2 | 1 << 3 | 1 << 4);
-    }
-
-    #[test]
-    fn a_hand_that_is_idle_has_done_all_of_it_unless_it_may_be_idle_in_the_middle() {
-        let mut nominal = nominal("gpr");
-        let has_ended = |nominal: &[NominalIu<'_>], hidden| Places(1 << 2).has_ended_if_idle(nominal, hidden);
-        assert!(has_ended(&nominal, u32::MAX) && !has_ended(&nominal, 0));
-        nominal[1].context = Context([0, 0, 1, 2]);
-        assert!(!has_ended(&nominal, u32::MAX));
-    }
-
-    #[test]
-    fn an_iu_that_was_not_seen_for_a_while_may_go_on() {
-        assert_eq!(after(0, &[('g', SEEN), ('p', SEEN), ('p', HIDDEN)]), 1 << 2);
-        assert_eq!(after(0, &[('g', SEEN), ('p', SEEN), ('p', SEEN)]), 0);
+    fn a_hand_that_was_idle_begins_where_it_may_have_let_go_and_has_done_all_unless_it_may_be_in_the_middle()
+    {
+        for (letters, places) in [("gpgg", 1 | 1 << 3 | 1 << 4), ("g.gg", 1 | 1 << 2 | 1 << 3 | 1 << 4)] {
+            let nominal = nominal(letters);
+            assert_eq!(Places::new(HIDDEN, &nominal).after_idle(&nominal), Places(places), "{letters}");
+        }
+        for (letters, hidden, has_ended) in
+            [("gpr", HIDDEN, true), ("gpr", SEEN, false), ("g.r", HIDDEN, false)]
+        {
+            let ended = Places(1 << 2).has_ended_if_idle(&nominal(letters), hidden);
+            assert_eq!(ended, has_ended, "{letters} {hidden}");
+        }
     }
 
     #[test]
     fn an_activity_may_be_complete_if_what_is_missing_may_have_been_hidden() {
-        let nominal = nominal("gpgr");
-        assert!(!Places(1 << 2).may_be_complete(&nominal, 0));
-        assert!(Places(1 << 2).may_be_complete(&nominal, u32::MAX));
-        assert!(!Places(0).may_be_complete(&nominal, u32::MAX));
+        for (places, hidden, may_be) in [(1 << 2, SEEN, false), (1 << 2, HIDDEN, true), (0, HIDDEN, false)] {
+            assert_eq!(Places(places).may_be_complete(&nominal("gpgr"), hidden), may_be, "{places} {hidden}");
+        }
     }
 
     impl Places {

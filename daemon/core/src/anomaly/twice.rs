@@ -8,8 +8,8 @@ use crate::verdict::{Missing, Outcome, Reason, Verdict};
 /// streams differ.
 const REMOVED_NS: u64 = 2_000_000_000;
 
-/// Of the time that an object was not seen, its marker was in view twice for this share, but for a few frames. In seconds. The share halved or
-/// doubled, 2 or 1 of 3,700 drawn streams differ. Without those frames two of the five tests of markers in view twice fail.
+/// Of the time that an object was not seen, its marker was in view twice for this share, but for so many seconds. The share halved or doubled, 2 or 1 of
+/// 3,700 drawn streams differ. Without the seconds two of the five tests of markers in view twice fail.
 const MIN_TWICE_SHARE: f32 = 0.5;
 const SLACK_S: f32 = 0.1;
 

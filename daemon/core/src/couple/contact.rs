@@ -148,22 +148,9 @@ mod tests {
 
     const CONTACT: Contact = Contact { on_m: 0.03, off_m: 0.045 };
 
-    /// For each frame, whether a contact is believed in it, where couples are made `persist` frames late.
-    fn believed(distances: &[f32], persist: u8) -> Vec<bool> {
-        asked(distances, persist, Edge::believe)
-    }
-
-    /// The same of whether a change may have come that is not believed.
-    fn may_have_changed(distances: &[f32], persist: u8) -> Vec<bool> {
-        asked(distances, persist, |edge, age, persist| {
-            edge.believe(age, persist);
-            edge.may_have_changed(age, persist)
-        })
-    }
-
-    /// The answers of the edge for each frame.
+    /// The answers of the edge for each frame, where couples are made `persist` frames late.
     fn asked<T>(distances: &[f32], persist: u8, ask: impl Fn(&mut Edge, usize, u8) -> T) -> Vec<T> {
-        let mut edge = Edge::default();
+        let (mut edge, delay) = (Edge::default(), usize::from(persist));
         let mut answers = Vec::new();
         for (newest, distance) in distances.iter().enumerate() {
             if distance.is_nan() {
@@ -171,95 +158,72 @@ mod tests {
             } else {
                 edge.push(*distance, &CONTACT, persist);
             }
-            if newest >= usize::from(persist) {
-                answers.push(ask(&mut edge, persist.into(), persist));
-            }
+            answers.extend((newest >= delay).then(|| ask(&mut edge, delay, persist)));
         }
-        for age in (0..usize::from(persist).min(distances.len())).rev() {
-            answers.push(ask(&mut edge, age, persist));
-        }
+        let left = (0..delay.min(distances.len())).rev();
+        answers.extend(left.map(|age| ask(&mut edge, age, persist)));
         answers
     }
 
-    fn distances(text: &str) -> Vec<f32> {
-        // `-` is far, `x` is near, `=` is between the two distances, `?` is not known.
-        text.chars()
-            .map(|c| match c {
-                '-' => 1.0,
-                'x' => 0.01,
-                '?' => f32::NAN,
-                _ => 0.04,
-            })
-            .collect()
-    }
-
-    fn text(believed: &[bool]) -> String {
-        believed.iter().map(|believed| if *believed { 'x' } else { '-' }).collect()
+    /// The frames with this answer, as `x`. Of the distances, `-` is far, `x` near, `=` between the two limits and `?` not known.
+    fn answers(distances: &str, persist: u8, ask: impl Fn(&mut Edge, usize, u8) -> bool) -> String {
+        let distance = |c| match c {
+            '-' => 1.0,
+            'x' => 0.01,
+            '?' => f32::NAN,
+            _ => 0.04,
+        };
+        let distances: Vec<f32> = distances.chars().map(distance).collect();
+        asked(&distances, persist, ask).into_iter().map(|is_so| if is_so { 'x' } else { '-' }).collect()
     }
 
     #[test]
-    fn a_contact_is_believed_after_persist_frames_from_its_first_frame_on() {
-        assert_eq!(text(&believed(&distances("---xxxxx-----"), 5)), "---xxxxx-----");
-        assert_eq!(text(&believed(&distances("---xxxx-----"), 5)), "------------");
-    }
-
-    #[test]
-    fn a_contact_ends_after_persist_frames_at_its_true_end() {
-        assert_eq!(text(&believed(&distances("xxxxx--xx---xx---"), 3)), "xxxxxxxxx--------");
-    }
-
-    #[test]
-    fn between_the_two_distances_a_contact_stays_as_it_was() {
-        assert_eq!(text(&believed(&distances("====xxx====--===---"), 2)), "----xxxxxxx--------");
-    }
-
-    #[test]
-    fn at_the_end_of_a_recording_nothing_is_believed_that_has_not_lasted_long_enough() {
-        assert_eq!(text(&believed(&distances("----xx"), 3)), "------");
-        assert_eq!(text(&believed(&distances("---xxx"), 3)), "---xxx");
-        assert_eq!(text(&believed(&distances("xxx---"), 3)), "xxx---");
-        assert_eq!(text(&believed(&distances("xxxx--"), 3)), "xxxxxx");
-    }
-
-    #[test]
-    fn while_an_end_is_not_known_a_contact_neither_begins_nor_ends() {
-        assert_eq!(text(&believed(&distances("---xxxxx??????????xxxx"), 5)), "---xxxxxxxxxxxxxxxxxxx");
-        assert_eq!(text(&believed(&distances("---xxxxx??????????-----"), 5)), "---xxxxxxxxxxxxxxx-----");
-        assert_eq!(text(&believed(&distances("---??????????xxxxx"), 5)), "-------------xxxxx");
-        assert_eq!(text(&believed(&distances("---x????????----"), 5)), "----------------");
-        // Behind the gap the contact may have begun or not, until the distance tells.
-        assert_eq!(text(&believed(&distances("-----??????====xxxxx"), 5)), "---------------xxxxx");
+    fn a_change_is_believed_once_it_has_lasted_from_its_first_frame_on() {
+        for (persist, distances, believed) in [
+            (5, "---xxxxx-----", "---xxxxx-----"),
+            (5, "---xxxx-----", "------------"),
+            (3, "xxxxx--xx---xx---", "xxxxxxxxx--------"),
+            // Between the two limits a contact stays as it was.
+            (2, "====xxx====--===---", "----xxxxxxx--------"),
+            // At the end of a recording nothing is believed that has not lasted for long enough.
+            (3, "----xx", "------"),
+            (3, "---xxx", "---xxx"),
+            (3, "xxx---", "xxx---"),
+            (3, "xxxx--", "xxxxxx"),
+            // While an end is not known, a contact neither begins nor ends.
+            (5, "---xxxxx??????????xxxx", "---xxxxxxxxxxxxxxxxxxx"),
+            (5, "---xxxxx??????????-----", "---xxxxxxxxxxxxxxx-----"),
+            (5, "---??????????xxxxx", "-------------xxxxx"),
+            (5, "---x????????----", "----------------"),
+            // Behind the gap the contact may have begun or not, until the distance tells.
+            (5, "-----??????====xxxxx", "---------------xxxxx"),
+            // The last frame of the window is missing: the one after that shows as much, or tells otherwise.
+            (5, "-----xxxx?xxx----?----", "-----xxxxxxxx---------"),
+            (5, "-----xxxx?------------", "----------------------"),
+            // Every second frame is enough; what is seen less often is believed later.
+            (5, "-?-?x?x?x?x?-?-?-?-?", "----xxxxxxxx--------"),
+            (5, "-??-??x??x??x??x??-??-??-??-", "-------xxxxxxxxxxxx---------"),
+        ] {
+            assert_eq!(answers(distances, persist, Edge::believe), believed, "{distances} {persist}");
+        }
     }
 
     #[test]
     fn a_change_is_in_doubt_where_nobody_saw_what_came_after_it() {
-        let in_doubt = |of: &str| text(&may_have_changed(&distances(of), 5));
-        assert_eq!(in_doubt("-----xx?????????-----"), "-----xx--------------");
-        assert_eq!(in_doubt("-----xxxx????????xxxx"), "-----xxxx------------");
-        assert_eq!(in_doubt("xxxxx---?????????xxxx"), "-----xxx-------------");
-        // It is believed, or has not lasted.
-        assert_eq!(in_doubt("-----xxxx?xxxx-------"), "-".repeat(21));
-        assert_eq!(in_doubt("-----xx?-------------"), "-".repeat(21));
-    }
-
-    #[test]
-    fn a_change_is_believed_from_its_first_frame_on_where_the_last_frame_of_its_window_is_missing() {
-        assert_eq!(text(&believed(&distances("-----xxxx?xxx----?----"), 5)), "-----xxxxxxxx---------");
-        // The frame after that tells otherwise.
-        assert_eq!(text(&believed(&distances("-----xxxx?------------"), 5)), "-".repeat(22));
-    }
-
-    #[test]
-    fn a_contact_that_is_seldom_seen_is_believed_later() {
-        assert_eq!(
-            text(&believed(&distances("-??-??x??x??x??x??-??-??-??-"), 5)),
-            "-------xxxxxxxxxxxx---------"
-        );
-    }
-
-    #[test]
-    fn every_second_frame_is_enough_to_believe_a_contact() {
-        assert_eq!(text(&believed(&distances("-?-?x?x?x?x?-?-?-?-?"), 5)), "----xxxxxxxx--------");
+        for (distances, in_doubt) in [
+            ("-----xx?????????-----", "-----xx--------------"),
+            ("-----xxxx????????xxxx", "-----xxxx------------"),
+            ("xxxxx---?????????xxxx", "-----xxx-------------"),
+            // It is believed, or has not lasted.
+            ("-----xxxx?xxxx-------", "---------------------"),
+            ("-----xx?-------------", "---------------------"),
+        ] {
+            let may_have_changed = |edge: &mut Edge, age, persist| {
+                edge.believe(age, persist);
+                edge.may_have_changed(age, persist)
+            };
+            assert_eq!(answers(distances, 5, may_have_changed), in_doubt, "{distances}");
+        }
     }
 
     /// For each frame, whether a contact is believed, and whether that is certain. For that, the frame and at least half of the window are known, and

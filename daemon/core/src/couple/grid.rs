@@ -81,51 +81,38 @@ mod tests {
         Grid::new(Method { rate_hz, ..Method::default() }.period_ns())
     }
 
-    fn locations(rate_hz: f32, times: impl IntoIterator<Item = u64>) -> (u32, u32, u32) {
-        let mut grid = grid(rate_hz);
-        let (mut single, mut surplus, mut skipping) = (0, 0, 0);
+    /// How many of these time stamps on a grid of 30 Hz are single steps, how many are surplus, and how many skip frames.
+    fn locations(times: impl IntoIterator<Item = u64>) -> [u32; 3] {
+        let mut grid = grid(30.0);
+        let mut counts = [0; 3];
         for time in times {
             match grid.locate(time) {
-                Ok(Location::First | Location::Steps(1)) => single += 1,
-                Ok(Location::Steps(_)) => skipping += 1,
-                Ok(Location::Surplus) => surplus += 1,
+                Ok(Location::First | Location::Steps(1)) => counts[0] += 1,
+                Ok(Location::Surplus) => counts[1] += 1,
+                Ok(Location::Steps(_)) => counts[2] += 1,
                 Err(_) => {}
             }
         }
-        (single, surplus, skipping)
+        counts
     }
 
     #[test]
-    fn time_stamps_in_whole_tenths_of_milliseconds_neither_add_nor_lose_frames() {
-        let times = (0..10_000u64).map(|k| (k * 1_000_000_000 / 30).div_ceil(100_000) * 100_000);
-        assert_eq!(locations(30.0, times), (10_000, 0, 0));
-    }
-
-    #[test]
-    fn a_camera_of_29_97_hz_is_followed() {
-        assert_eq!(locations(30.0, (0..100_000u64).map(|k| k * 33_366_667)), (100_000, 0, 0));
-    }
-
-    #[test]
-    fn frames_that_come_up_to_ten_milliseconds_late_are_single_steps() {
+    fn neither_rounded_times_nor_a_slow_clock_nor_jitter_adds_or_loses_a_frame() {
+        let rounded = (0..10_000u64).map(|k| (k * 1_000_000_000 / 30).div_ceil(100_000) * 100_000);
+        assert_eq!(locations(rounded), [10_000, 0, 0], "whole tenths of milliseconds");
+        assert_eq!(locations((0..100_000).map(|k| k * 33_366_667)), [100_000, 0, 0], "29.97 Hz");
         let mut random = 1u64;
-        let times = (0..10_000u64).map(|k| {
+        let late = (0..10_000).map(|k| {
             random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             k * 33_333_333 + (random >> 33) % 10_000_000
         });
-        assert_eq!(locations(30.0, times), (10_000, 0, 0));
+        assert_eq!(locations(late), [10_000, 0, 0], "up to ten milliseconds late");
     }
 
     #[test]
-    fn of_a_camera_of_twice_the_rate_every_other_frame_is_taken() {
-        assert_eq!(
-            locations(30.0, (0..2_000u64).map(|k| k * 16_666_667 + k % 3 * 1_000_000)),
-            (1_000, 1_000, 0)
-        );
-    }
-
-    #[test]
-    fn a_missing_frame_is_a_step_of_two() {
+    fn of_twice_the_rate_every_other_frame_is_taken_and_a_missing_one_is_a_step_of_two() {
+        let twice = (0..2_000).map(|k| k * 16_666_667 + k % 3 * 1_000_000);
+        assert_eq!(locations(twice), [1_000, 1_000, 0]);
         let mut grid = grid(30.0);
         assert_eq!(grid.locate(0), Ok(Location::First));
         assert_eq!(grid.locate(66_666_667), Ok(Location::Steps(2)));

@@ -185,8 +185,11 @@ mod tests {
         Quantiser(Method { space, ..Method::default() })
     }
 
-    fn precision() -> Precision {
-        Precision::new(&Method::default())
+    /// The motion at time 0 of something that is at these places on the y axis at these times.
+    fn measured(times: impl IntoIterator<Item = f64>, place: impl Fn(f64) -> f64) -> Option<Kinematics> {
+        let samples: std::vec::Vec<Sample> =
+            times.into_iter().map(|t| (t, [0.0, place(t) as f32, 1.0])).collect();
+        kinematics(samples.into_iter(), &Precision::new(&Method::default()))
     }
 
     fn moving(velocity: Point) -> Kinematics {
@@ -195,13 +198,9 @@ mod tests {
 
     #[test]
     fn a_parabola_is_differentiated_exactly_at_uneven_times_with_frames_missing() {
-        // p = 3 - 0.5 t + 2 t²: at 0 the velocity is -0.5 and, as it slows down, the tangential acceleration -4.
+        // At 0 the velocity is -0.5 and, as it slows down, the tangential acceleration -4.
         let times = [-0.17, -0.09, -0.06, 0.011, 0.04, 0.13];
-        let motion = kinematics(
-            times.into_iter().map(|t| (t, [0.0, (3.0 - 0.5 * t + 2.0 * t * t) as f32, 1.0])),
-            &precision(),
-        );
-        let motion = motion.unwrap_or_default();
+        let motion = measured(times, |t| 3.0 - 0.5 * t + 2.0 * t * t).unwrap_or_default();
         assert!((motion.position[1] - 3.0).abs() < 1e-4 && motion.residual_m < 1e-4, "{motion:?}");
         assert!((motion.velocity[1] + 0.5).abs() < 1e-4, "{motion:?}");
         assert!((motion.tangential + 4.0).abs() < 1e-3, "{motion:?}");
@@ -211,17 +210,17 @@ mod tests {
     #[test]
     fn positions_on_one_side_only_and_too_few_positions_are_no_measurement() {
         // In frames of the grid, of which the window has 5 before and 5 after.
-        let is_measured = |frames: &[i32]| {
-            let samples =
-                frames.iter().map(|frame| f64::from(*frame) / 30.0).map(|t| (t, [t as f32, 0.0, 0.0]));
-            kinematics(samples, &precision()).is_some()
-        };
-        assert!(is_measured(&[-5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5]));
-        assert!(is_measured(&[-4, -2, 0, 2, 4]), "every second frame");
-        assert!(is_measured(&[-5, -3, -1, 1, 3, 5]), "the other frames");
-        assert!(!is_measured(&[-1, 0, 1]), "three positions near the frame");
-        assert!(!is_measured(&[-5, -4, -3, -2, -1]), "all before the frame");
-        assert!(!is_measured(&[-5, -4, -3, -2, -1, 0]), "the frame is the last one");
+        for (frames, is_measured, what) in [
+            (&[-5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5][..], true, "all"),
+            (&[-4, -2, 0, 2, 4], true, "every second frame"),
+            (&[-5, -3, -1, 1, 3, 5], true, "the other frames"),
+            (&[-1, 0, 1], false, "three positions near the frame"),
+            (&[-5, -4, -3, -2, -1], false, "all before the frame"),
+            (&[-5, -4, -3, -2, -1, 0], false, "the frame is the last one"),
+        ] {
+            let times = frames.iter().map(|frame| f64::from(*frame) / 30.0);
+            assert_eq!(measured(times, |t| t).is_some(), is_measured, "{what}");
+        }
     }
 
     #[test]
@@ -247,20 +246,13 @@ mod tests {
     }
 
     #[test]
-    fn below_the_rest_speed_there_is_no_direction_and_no_sign() {
+    fn at_rest_there_is_neither_direction_nor_sign_and_opposite_signs_are_no_joint_motion() {
         let quantiser = quantiser(Space::Metric);
-        let slow = Kinematics { velocity: [0.02, 0.0, 0.0], tangential: 9.0, ..Kinematics::default() };
-        assert_eq!(quantiser.direction(&slow, about_z(0.0)), [0, 0]);
-        assert_eq!(quantiser.sign(&slow), 0);
-    }
-
-    #[test]
-    fn opposite_signs_are_not_joint_motion() {
-        let quantiser = quantiser(Space::Plane);
-        let faster = Kinematics { tangential: 1.0, ..moving([1.0, 0.0, 0.0]) };
-        let slower = Kinematics { tangential: -1.0, ..moving([1.0, 0.0, 0.0]) };
-        assert_eq!(quantiser.joint_motion(&faster, &faster), 1);
-        assert_eq!(quantiser.joint_motion(&faster, &slower), 0);
-        assert_eq!(quantiser.joint_motion(&faster, &moving([1.0, 0.0, 0.0])), 0);
+        let slow = Kinematics { tangential: 9.0, ..moving([0.02, 0.0, 0.0]) };
+        assert_eq!((quantiser.direction(&slow, about_z(0.0)), quantiser.sign(&slow)), ([0, 0], 0));
+        let [slower, steady, faster] =
+            [-1.0, 0.0, 1.0].map(|tangential| Kinematics { tangential, ..moving([1.0, 0.0, 0.0]) });
+        let joint = [faster, slower, steady].map(|other| quantiser.joint_motion(&faster, &other));
+        assert_eq!(joint, [1, 0, 0]);
     }
 }

@@ -39,7 +39,7 @@ impl LocalCosts {
     /// Writes the symbols of a sequence. It has none without a SIMD path.
     pub(super) fn read(&self, motions: &[Motion], symbols: &mut Symbols) {
         symbols.length = 0;
-        self.simd.iter().for_each(|simd| simd.read(motions, symbols));
+        self.simd.iter().for_each(|simd| symbols.read(&simd.tables, motions));
     }
 
     /// Computes the next row in place by the fastest path and returns its minimum. It began with this reference.

@@ -274,109 +274,91 @@ mod tests {
     use core::f32::consts::TAU;
     use std::vec::Vec;
 
-    fn measure(positions: impl IntoIterator<Item = Option<Point>>) -> Measures {
+    /// The measures of these positions, of which some frames are missing.
+    fn measure(positions: &[Point], is_missing: impl Fn(usize) -> bool) -> Measures {
         let mut meter = Meter::default();
-        positions.into_iter().for_each(|position| meter.push(position, 0.0));
+        let seen = positions.iter().enumerate().map(|(frame, at)| (!is_missing(frame)).then_some(*at));
+        seen.for_each(|position| meter.push(position, 0.0));
         meter.measures(&Way::after(0))
     }
 
+    fn along_x(way: &[f32]) -> Vec<Point> {
+        way.iter().map(|x| [*x, 0.0, 0.0]).collect()
+    }
+
     /// Strokes of 7 cm along the angle, each to and fro in 24 frames, from the middle.
-    fn strokes(count: usize, angle: f32) -> Vec<Option<Point>> {
+    fn strokes(count: usize, angle: f32) -> Vec<Point> {
         let at = |frame: usize| 0.035 * libm::sinf(frame as f32 * TAU / 24.0);
         let position = |frame: usize| [at(frame) * libm::cosf(angle), at(frame) * libm::sinf(angle), 0.0];
-        (0..=24 * count).map(|frame| Some(position(frame))).collect()
+        (0..=24 * count).map(position).collect()
     }
 
     #[test]
-    fn six_strokes_to_and_fro_reverse_twelve_times() {
-        let measures = measure(strokes(6, 0.0));
-        assert_eq!(measures.reversals, 12);
-        assert!((measures.stroke_m.unwrap_or_default() - 0.07).abs() < 0.001, "{measures:?}");
-        assert!((0.7..=0.84).contains(&measures.path_m), "{measures:?}");
-        assert!(measures.place_m[0].abs() < 0.001 && measures.hidden == 0.0);
-    }
-
-    #[test]
-    fn strokes_across_have_the_opposite_axis() {
+    fn strokes_to_and_fro_reverse_twice_each_and_have_a_length_a_path_a_place_and_an_axis() {
         for (angle, axis) in [(0.0, [1.0, 0.0]), (TAU / 4.0, [-1.0, 0.0]), (TAU / 8.0, [0.0, 1.0])] {
-            let found = measure(strokes(3, angle)).axis;
-            assert!((found[0] - axis[0]).abs() < 0.01 && (found[1] - axis[1]).abs() < 0.01, "{found:?}");
+            let measures = measure(&strokes(6, angle), |_| false);
+            assert_eq!((measures.reversals, measures.hidden), (12, 0.0));
+            assert!((measures.stroke_m.unwrap_or_default() - 0.07).abs() < 0.001, "{measures:?}");
+            assert!((0.7..=0.84).contains(&measures.path_m), "{measures:?}");
+            assert!(measures.place_m[0].abs() < 0.001, "{measures:?}");
+            assert!((0..2).all(|k| (measures.axis[k] - axis[k]).abs() < 0.01), "{measures:?}");
         }
     }
 
     #[test]
-    fn noise_adds_neither_path_nor_reversals() {
+    fn noise_adds_neither_path_nor_reversals_and_a_circle_reverses_twice() {
         let noise = [0.0, 0.004, -0.004, 0.003, -0.002];
-        let measures = measure((0..500).map(|frame| Some([noise[frame % 5], noise[frame % 3], 0.0])));
+        let still: Vec<Point> = (0..500).map(|frame| [noise[frame % 5], noise[frame % 3], 0.0]).collect();
+        let measures = measure(&still, |_| false);
         assert_eq!((measures.reversals, measures.path_m, measures.axis), (0, 0.0, [0.0; 2]));
-    }
-
-    #[test]
-    fn a_full_circle_reverses_twice() {
-        let circle = |frame: i32| {
-            let angle = frame as f32 * TAU / 40.0;
-            Some([0.05 * libm::cosf(angle), 0.05 * libm::sinf(angle), 0.0])
-        };
-        assert_eq!(measure((0..=200).map(circle)).reversals, 9);
+        let angle = |frame: usize| frame as f32 * TAU / 40.0;
+        let at = |frame| [0.05 * libm::cosf(angle(frame)), 0.05 * libm::sinf(angle(frame)), 0.0];
+        let circles: Vec<Point> = (0..=200).map(at).collect();
+        assert_eq!(measure(&circles, |_| false).reversals, 9);
     }
 
     #[test]
     fn frames_that_are_not_seen_lengthen_nothing_and_are_counted() {
-        let whole = measure(strokes(6, 0.0));
-        let half = measure(strokes(6, 0.0).into_iter().enumerate().map(|(k, p)| p.filter(|_| k % 2 == 0)));
+        let [whole, half, gap] = [
+            measure(&strokes(6, 0.0), |_| false),
+            measure(&strokes(6, 0.0), |frame| frame % 2 == 1),
+            measure(&strokes(6, 0.0), |frame| (20..60).contains(&frame)),
+        ];
         assert_eq!((half.reversals, half.hidden_reversals), (12, 0));
-        assert!(
-            (half.path_m / whole.path_m - 1.0).abs() < 0.1 && (half.hidden - 0.1).abs() < 0.01,
-            "{half:?}"
-        );
-        let gap = measure(
-            strokes(6, 0.0).into_iter().enumerate().map(|(k, p)| p.filter(|_| !(20..60).contains(&k))),
-        );
-        assert_eq!(gap.hidden_reversals, 10);
-        // As often as in the other 105 frames.
-        assert_eq!((gap.reversals, gap.hidden_reversals_at_pace()), (10, 4));
-        assert!(gap.reversals < 12 && gap.reversals + gap.hidden_reversals >= 12, "{gap:?}");
+        assert!((half.path_m / whole.path_m - 1.0).abs() < 0.1, "{half:?}");
+        assert!((half.hidden - 0.1).abs() < 0.01, "{half:?}");
+        // At the pace as often as in the other 105 frames.
+        let counted = (gap.reversals, gap.hidden_reversals, gap.hidden_reversals_at_pace());
+        assert_eq!(counted, (10, 10, 4));
         assert!((gap.hidden - 40.0 / 145.0).abs() < 0.01, "{gap:?}");
     }
 
     #[test]
-    fn a_stroke_that_is_small_only_because_a_frame_is_missing_may_have_been_one() {
-        // To and fro by 17 mm, of which the last 3 mm are in the frame that goes missing.
-        let far = [0.0, 0.02, 0.04, 0.06, 0.046, 0.043, 0.046, 0.06, 0.08];
-        let positions = || far.iter().map(|x| Some([*x, 0.0, 0.0]));
-        assert_eq!((measure(positions()).reversals, measure(positions()).cut_reversals), (2, 0));
-        let missing =
-            measure(positions().enumerate().map(|(frame, position)| position.filter(|_| frame != 5)));
-        assert_eq!((missing.reversals, missing.cut_reversals), (0, 2));
-        // A frame that is missing elsewhere changes nothing.
-        let elsewhere =
-            measure(positions().enumerate().map(|(frame, position)| position.filter(|_| frame != 1)));
-        assert_eq!((elsewhere.reversals, elsewhere.cut_reversals), (2, 0));
-    }
-
-    #[test]
-    fn a_frame_that_is_missing_at_an_end_may_have_shown_a_reversal() {
+    fn a_frame_that_is_missing_may_have_shown_a_reversal() {
+        // To and fro by 17 mm, of which the last 3 mm are in frame 5.
+        let small = [0.0, 0.02, 0.04, 0.06, 0.046, 0.043, 0.046, 0.06, 0.08];
         let last = [0.0, 0.02, 0.04, 0.036, 0.032, 0.028, 0.024];
         let first = [0.0165, 0.009, 0.0, -0.01, -0.02];
-        for (way, missing) in [(&last[..], 6), (&first[..], 0)] {
-            let positions =
-                way.iter().enumerate().map(|(frame, x)| (frame != missing).then_some([*x, 0.0, 0.0]));
-            let cut = measure(positions);
-            // What is right only with these is not right.
-            assert_eq!((cut.reversals, cut.cut_reversals, cut.hidden_reversals), (0, 1, 0), "{way:?}");
+        // What is right only with those that were cut is not right.
+        for (way, missing, reversals, cut_reversals) in [
+            (&small[..], usize::MAX, 2, 0),
+            (&small[..], 5, 0, 2),
+            (&small[..], 1, 2, 0),
+            (&last[..], 6, 0, 1),
+            (&first[..], 0, 0, 1),
+        ] {
+            let cut = measure(&along_x(way), |frame| frame == missing);
+            let counted = (cut.reversals, cut.cut_reversals, cut.hidden_reversals);
+            assert_eq!(counted, (reversals, cut_reversals, 0), "{way:?} without {missing}");
         }
     }
 
     #[test]
     fn strokes_may_be_longer_where_the_farthest_frame_is_missing_and_nowhere_else() {
         // To and fro by 6 cm, farthest in the frames 6 and 12.
-        let far =
-            [0.0, 0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.05, 0.04, 0.03, 0.02, 0.01, 0.0, 0.01, 0.02, 0.03];
-        let cut = |missing: usize| {
-            let seen = far.iter().enumerate().map(|(frame, x)| (frame != missing).then_some([*x, 0.0, 0.0]));
-            measure(seen).cut_m > 0.0
-        };
-        let all: Vec<usize> = (0..far.len()).filter(|frame| cut(*frame)).collect();
+        let far: Vec<f32> = (0..16i32).map(|frame| 0.01 * (6 - (frame % 12 - 6).abs()) as f32).collect();
+        let is_longer = |missing: &usize| measure(&along_x(&far), |frame| frame == *missing).cut_m > 0.0;
+        let all: Vec<usize> = (0..far.len()).filter(is_longer).collect();
         assert_eq!(all, [5, 6, 7, 11, 12, 13]);
     }
 }

@@ -103,23 +103,28 @@ mod tests {
         (0..=60).map(|frame| Some([at(frame), 0.0, off_m * libm::sinf(PI * at(frame))])).collect()
     }
 
-    #[track_caller]
-    fn check(way: impl IntoIterator<Item = Option<Point>>, expected_m: f32) {
-        let lateral_m = laterals(way).pop().unwrap_or_default();
-        assert!((lateral_m - expected_m).abs() < 0.01, "{lateral_m} instead of {expected_m}");
-    }
-
     #[test]
-    fn an_arc_is_as_far_off_as_it_is_high() {
-        check(arc(0.0), 0.0);
-        check(arc(0.1), 0.1);
-        check(arc(0.3), 0.3);
-    }
-
-    #[test]
-    fn a_way_out_and_back_is_off_by_its_whole_length() {
-        let out = |metres: f32| (0..30).map(move |frame| Some([metres * frame as f32 / 29.0, 0.0, 0.0]));
-        check(out(0.25).chain(out(0.25).collect::<Vec<_>>().into_iter().rev()), 0.25);
+    fn a_way_is_off_by_as_much_as_an_arc_is_high_or_by_the_whole_length_of_a_way_out_and_back() {
+        let out: Vec<_> = (0..30).map(|frame| Some([0.25 * frame as f32 / 29.0, 0.0, 0.0])).collect();
+        let back = out.iter().copied().chain(out.iter().rev().copied()).collect();
+        let hidden = arc(0.3).into_iter().enumerate().map(|(frame, tips)| tips.filter(|_| frame % 7 != 0));
+        let noise = [0.0, 0.004, -0.004, 0.003, -0.002];
+        let trembles = (0..500).map(|frame| Some([noise[frame % 5], noise[frame % 3], 0.0])).collect();
+        // Three circles, which come no farther from the line than their diameter, in the same memory.
+        let angle = |frame: i32| 6.0 * PI * frame as f32 / 600.0;
+        let circle = |frame: i32| Some([libm::cosf(angle(frame)), libm::sinf(angle(frame)), 0.0]);
+        for (what, way, expected_m) in [
+            ("a straight line", arc(0.0), 0.0),
+            ("a low arc", arc(0.1), 0.1),
+            ("a high arc", arc(0.3), 0.3),
+            ("out and back", back, 0.25),
+            ("an arc with frames missing", hidden.collect(), 0.3),
+            ("a hand that trembles", trembles, 0.0),
+            ("many metres", (0..=600).map(circle).collect(), 2.0),
+        ] {
+            let lateral_m = laterals(way).pop().unwrap_or_default();
+            assert!((lateral_m - expected_m).abs() < 0.02, "{what}: {lateral_m}");
+        }
     }
 
     #[test]
@@ -130,24 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_that_trembles_or_rests_goes_no_way() {
-        let noise = [0.0, 0.004, -0.004, 0.003, -0.002];
-        check((0..500).map(|frame| Some([noise[frame % 5], noise[frame % 3], 0.0])), 0.0);
-    }
-
-    #[test]
-    fn a_way_of_many_metres_is_kept_in_the_same_memory() {
-        // Three full circles, which come no farther from the line than their diameter.
-        let angle = |frame: i32| 6.0 * PI * frame as f32 / 600.0;
-        let circle = |frame: i32| Some([libm::cosf(angle(frame)), libm::sinf(angle(frame)), 0.0]);
-        let lateral_m = laterals((0..=600).map(circle)).pop().unwrap_or_default();
-        assert!((lateral_m - 2.0).abs() < 0.02, "{lateral_m}");
-    }
-
-    #[test]
-    fn frames_in_which_the_hand_is_not_seen_lead_nowhere_and_are_counted_before_the_first_point() {
-        let hidden = arc(0.3).into_iter().enumerate().map(|(frame, tips)| tips.filter(|_| frame % 7 != 0));
-        check(hidden, 0.3);
+    fn frames_in_which_the_hand_is_not_seen_are_counted_before_the_first_point() {
         let mut way = Way::after(2);
         [None, None, Some([0.0; 3]), None].into_iter().for_each(|tips| way.push(tips));
         assert_eq!(way.unseen_before, 4);

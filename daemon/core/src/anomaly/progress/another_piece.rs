@@ -8,7 +8,8 @@ use crate::job::{NominalActivity, NominalIu};
 use crate::set::ActivitySet;
 
 impl Progress<'_> {
-    /// Takes the next couples, which come as many frames after those before. Nobody watches where no frame came, or one that shows neither a hand nor all that lay on the bench.
+    /// Takes the next couples, which come as many frames after those before. Nobody watches where no frame came, or one that shows neither a hand nor all
+    /// that lay on the bench.
     pub(crate) fn watch(&mut self, couples: &Couples, frames: u32) {
         let is_any_seen = couples.hands.iter().any(Couple::is_hand_seen) || !couples.lacks(Unseen::BENCH);
         let is_watched = !couples.lacks(Unseen::FRAME) && is_any_seen;
@@ -20,9 +21,8 @@ impl Progress<'_> {
         self.unwatched = 0;
     }
 
-    /// A hand begins the IU with this number of one of these nominal activities. Takes note of whether it may belong to another piece than what came
-    /// before. For that, nobody watched for as long as the quickest run needs to end this piece and to come to this IU in another. That one may be
-    /// out of order, so nothing has to come before it.
+    /// A hand begins the IU with this number of one of these nominal activities. It may belong to another piece than what came before if nobody watched
+    /// for as long as the quickest run needs to end this piece and to come to it in another. That may be out of order, so nothing has to come before.
     pub(crate) fn note_another_piece(&mut self, side: Side, nominal: ActivitySet, ius: usize) {
         let fits = |nominal: &NominalActivity<'_>| self.unwatched >= self.exchange(side, nominal, ius);
         let all = self.job.activities;

@@ -1,7 +1,5 @@
-//! What of a job was not seen, and why too little is known of it.
-//!
-//! A station may have objects that lie on its bench for other jobs only. Waiting for them would leave every job in doubt, so a part that
-//! was never seen is not expected. A step whose part is out of sight looks like another step, or like none: it accuses nobody.
+//! What of a job was not seen, and why too little is known of it. A step whose part is out of sight looks like another step, or like none: it accuses
+//! nobody.
 
 use super::super::occlusion::{Cause, OcclusionLog};
 use super::{Phase, Progress};
@@ -10,8 +8,7 @@ use crate::set::ActivitySet;
 use crate::verdict::Reason;
 
 impl Progress<'_> {
-    /// Objects have moved without a hand. In the middle of a job that may be a part of it, or the next piece. Before its first step, the step may
-    /// have been hidden.
+    /// Objects have moved without a hand. In the middle of a job that may be a part of it, or the next piece; before its first step, that step.
     pub(crate) fn set_moved_unseen(&mut self) {
         if !self.is_concluded() && self.state.activities > 0 && !self.is_matched() {
             if self.state.first_step().is_some() {
@@ -62,8 +59,8 @@ impl Progress<'_> {
         }
     }
 
-    /// What a hand does with this `object` may be an activity that also uses an object never seen in this job: that object. It is 0 where it is not
-    /// known which, and `None` where there is none. What such an activity looks like is not known.
+    /// The object never seen in this job that an activity with this `object` may also use: what that looks like is not known. It is 0 where it is not
+    /// known which, and `None` where there is none.
     pub(crate) fn never_seen_with(&self, object: u16) -> Option<u16> {
         let never_seen = self.never_seen.unwrap_or_default();
         if never_seen.is_empty() {
@@ -104,8 +101,7 @@ impl Progress<'_> {
             .unwrap_or(beginning.into())
     }
 
-    /// Why what came may belong to two jobs: what was done is undone again, as the bench shows, and not all was seen. The rest of this job may
-    /// not have come, and the next one may have begun.
+    /// Why what came may belong to two jobs: what was done is undone again, as the bench shows, and not all was seen.
     pub(super) fn mixed_cause(&self) -> Option<Cause> {
         let is_undone_again = self.seen_undone.intersects(self.state.done);
         is_undone_again
