@@ -15,7 +15,7 @@ use crate::set::ActivitySet;
 use crate::verdict::{BrokenOrder, Measured, Note, Reason};
 use heapless::Vec;
 
-/// What the IUs of an activity are judged against. Once no candidate is left, it is what is followed.
+/// What the IUs of an activity are judged against.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Against {
     /// `J \ L`: the nominal activities with which all IUs so far agree, where unseen ones may have been.
@@ -48,7 +48,10 @@ pub(super) enum Remainder {
 
 /// An open activity.
 #[derive(Clone, Debug)]
-pub(super) struct OpenActivity {
+pub(super) struct OpenActivity<'a> {
+    job: &'a Job<'a>,
+    /// Whose it is.
+    side: Side,
     /// Its number in the job, from 0.
     pub(super) number: u16,
     pub(super) step: Step,
@@ -99,16 +102,15 @@ pub(super) struct OpenActivity {
     pub(super) is_concluded: bool,
 }
 
-impl OpenActivity {
+impl<'a> OpenActivity<'a> {
     /// Before its first IU: `C`, `L` and `i` of Algorithm 1 start again with every activity. It may have begun `hidden` frames earlier.
     pub(super) fn new(
+        (job, side): (&'a Job<'a>, Side),
         number: u16,
         step: Step,
-        context: Context,
-        began_ns: u64,
+        (context, began_ns): (Context, u64),
         hidden: u32,
         doubt: &HandDoubt,
-        job: &Job<'_>,
     ) -> Self {
         let (is_taught, remainder) = (step != Step::Untaught, doubt.remainder());
         let places = core::array::from_fn(|index| {
@@ -123,6 +125,8 @@ impl OpenActivity {
             }
         });
         Self {
+            job,
+            side,
             number,
             step,
             may_be_passive: false,
@@ -154,20 +158,14 @@ impl OpenActivity {
 
     /// The next IU begins in this context, and moves the places on if it has certainly happened. Something may have come and gone in `hidden` frames
     /// before it. With `was_idle` the hand was certainly idle since the one before. Returns its number.
-    pub(super) fn next_iu(
-        &mut self,
-        job: &Job<'_>,
-        context: Context,
-        is_certain: bool,
-        (hidden, was_idle): (u32, bool),
-    ) -> u16 {
+    pub(super) fn next_iu(&mut self, context: Context, is_certain: bool, hidden: u32, was_idle: bool) -> u16 {
         if self.ius > 0 && (was_idle || self.hidden >= self.end_frames) {
-            self.note_possible_end(job);
+            self.note_possible_end();
         }
         self.add_hidden(hidden);
-        (self.places_before, self.newest) = (self.places, context);
+        (self.places_before, self.newest) = (self.places, self.as_shown(context));
         if is_certain {
-            self.places = self.places_after(job);
+            self.places = self.places_after();
             self.hidden = 0;
         }
         let number = self.ius;
@@ -176,23 +174,20 @@ impl OpenActivity {
     }
 
     /// For each nominal activity, where in it the activity may be after the newest IU, if that has happened.
-    fn places_after(&self, job: &Job<'_>) -> [Places; ACTIVITIES] {
+    fn places_after(&self) -> [Places; ACTIVITIES] {
         let mut places = self.places_before;
-        for (index, (places, nominal)) in places.iter_mut().zip(job.activities).enumerate() {
-            *places = places.step(nominal.ius, job.allows_insertions(index), self.newest, self.hidden);
+        for (index, (places, nominal)) in places.iter_mut().zip(self.job.activities).enumerate() {
+            *places = places.step(nominal.ius, self.job.allows_insertions(index), self.newest, self.hidden);
         }
         places
     }
 
     /// The nominal IUs that the newest one may be, if it has happened. They are indices of the nominal activity and of the IU in it.
-    pub(super) fn newest_ius<'b>(
-        &self,
-        job: &'b Job<'b>,
-    ) -> impl Iterator<Item = (usize, usize)> + Clone + use<'b> {
+    pub(super) fn newest_ius(&self) -> impl Iterator<Item = (usize, usize)> + Clone + use<'a> {
         let context = self.newest;
         // What was hidden before it counts until it is certain.
-        let places = if self.hidden == 0 { self.places } else { self.places_after(job) };
-        let all = job.activities.iter().enumerate();
+        let places = if self.hidden == 0 { self.places } else { self.places_after() };
+        let all = self.job.activities.iter().enumerate();
         all.flat_map(move |(nominal, activity)| {
             places[nominal].newest(activity.ius, context).map(move |index| (nominal, index))
         })
@@ -200,14 +195,13 @@ impl OpenActivity {
 
     /// The newest IU began in doubt as many frames ago, and it is certain now that it has happened. What was not seen lies before it, or between two
     /// IUs in this context. The second may be that of another activity, if the hand had time to let go.
-    pub(super) fn confirm_iu(&mut self, side: Side, frames: u32, progress: &Progress<'_>) {
-        let job = progress.job;
-        let with_it = self.places_after(job);
+    pub(super) fn confirm_iu(&mut self, frames: u32, progress: &Progress<'_>) {
+        let with_it = self.places_after();
         let hidden = core::mem::take(&mut self.hidden).min(frames);
         if hidden >= self.end_frames {
-            self.note_possible_repeat(&with_it, (side, self.newest), hidden, progress);
+            self.note_possible_repeat(&with_it, self.newest, hidden, progress);
         }
-        for ((places, with_it), nominal) in self.places.iter_mut().zip(with_it).zip(job.activities) {
+        for ((places, with_it), nominal) in self.places.iter_mut().zip(with_it).zip(self.job.activities) {
             if !places.is_empty() {
                 *places = with_it.resume(hidden, nominal.ius, self.newest);
             }
@@ -249,18 +243,18 @@ impl OpenActivity {
     }
 
     /// What was not seen for a while is seen again in this context.
-    pub(super) fn resume(&mut self, side: Side, context: Context, progress: &Progress<'_>) {
-        let (job, context) = (progress.job, self.as_shown(context));
+    pub(super) fn resume(&mut self, context: Context, progress: &Progress<'_>) {
+        let context = self.as_shown(context);
         let is_same = context == Context::IDLE || context == self.newest;
         if self.hidden > 0 && is_same {
             let hidden = self.hidden;
             // The hand may have let go meanwhile.
             if context != Context::IDLE {
-                self.note_possible_repeat(&{ self.places }, (side, context), hidden, progress);
+                self.note_possible_repeat(&{ self.places }, context, hidden, progress);
             } else if hidden >= self.end_frames {
-                self.note_possible_end(job);
+                self.note_possible_end();
             }
-            for (places, nominal) in self.places.iter_mut().zip(job.activities) {
+            for (places, nominal) in self.places.iter_mut().zip(self.job.activities) {
                 *places = places.resume(hidden, nominal.ius, context);
             }
             self.hidden = 0;
@@ -271,21 +265,21 @@ impl OpenActivity {
     fn note_possible_repeat(
         &mut self,
         places: &[Places; ACTIVITIES],
-        (side, context): (Side, Context),
+        context: Context,
         hidden: u32,
         progress: &Progress<'_>,
     ) {
-        let all = places.iter().zip(progress.job.activities).enumerate();
+        let all = places.iter().zip(self.job.activities).enumerate();
         let is_again = |(index, (places, nominal)): &(usize, (&Places, &NominalActivity<'_>))| {
-            places.may_be_again(nominal.ius, hidden, context) && progress.may_come_again(side, *index)
+            places.may_be_again(nominal.ius, hidden, context) && progress.may_come_again(self.side, *index)
         };
         self.possibly_ended |= all.filter(is_again).map(|(index, _)| index).collect();
     }
 
     /// The hand was idle, or may have been: what was not judged or not seen may have been all of it.
-    fn note_possible_end(&mut self, job: &Job<'_>) {
-        let is_doubtful = self.unjudged.is_some() || !self.has_certainly_ended(job);
-        self.possibly_ended |= self.may_have_come(job).when(is_doubtful);
+    fn note_possible_end(&mut self) {
+        let is_doubtful = self.unjudged.is_some() || !self.has_certainly_ended();
+        self.possibly_ended |= self.may_have_come().when(is_doubtful);
     }
 
     /// Whether what was seen of the activity may be a part of a nominal one, with what may have happened unseen.
@@ -294,8 +288,8 @@ impl OpenActivity {
     }
 
     /// The nominal activities that may have come to their end, some of it unseen. What comes after that may be any that still has a place.
-    pub(super) fn may_have_come(&self, job: &Job<'_>) -> ActivitySet {
-        let all = self.places.iter().zip(job.activities).enumerate();
+    pub(super) fn may_have_come(&self) -> ActivitySet {
+        let all = self.places.iter().zip(self.job.activities).enumerate();
         let complete = all.filter(|(_, (places, nominal))| places.may_be_complete(nominal.ius, self.hidden));
         let complete: ActivitySet = complete.map(|(nominal, _)| nominal).collect();
         self.possibly_ended | candidates_at(&self.places).when(self.may_have_ended()) | complete
@@ -312,27 +306,27 @@ impl OpenActivity {
     }
 
     /// Whether all of it has come, some of it unseen, if the hand is idle now.
-    pub(super) fn has_ended_if_idle(&self, job: &Job<'_>) -> bool {
+    pub(super) fn has_ended_if_idle(&self) -> bool {
         let mut all = candidates_at(&self.places).iter().peekable();
         let has_ended = |nominal: usize| {
             // Where other IUs may come, the hand may let go and take the part again.
-            let ius = job.activities[nominal].ius;
-            !job.allows_insertions(nominal) && self.places[nominal].has_ended_if_idle(ius, self.hidden)
+            let ius = self.job.activities[nominal].ius;
+            !self.job.allows_insertions(nominal) && self.places[nominal].has_ended_if_idle(ius, self.hidden)
         };
         all.peek().is_some() && all.all(has_ended)
     }
 
     /// Whether it is certain that all of it has come, as whichever nominal activity it may be: nothing that comes next belongs to it.
-    pub(super) fn has_certainly_ended(&self, job: &Job<'_>) -> bool {
-        let all = self.places.iter().zip(job.activities).filter(|(places, _)| !places.is_empty());
+    pub(super) fn has_certainly_ended(&self) -> bool {
+        let all = self.places.iter().zip(self.job.activities).filter(|(places, _)| !places.is_empty());
         let ended = all.map(|(places, nominal)| places.is_certainly(nominal.ius.len()));
         let is_seen = self.hidden == 0 && !self.may_have_ended();
         is_seen && ended.reduce(|one, other| one && other) == Some(true)
     }
 
     /// The contexts with which a nominal activity would go on that it may be.
-    pub(super) fn continuations(&self, job: &Job<'_>) -> Vec<Context, ACTIVITIES> {
-        let all = self.places_as_seen().into_iter().zip(job.activities);
+    pub(super) fn continuations(&self) -> Vec<Context, ACTIVITIES> {
+        let all = self.places_as_seen().into_iter().zip(self.job.activities);
         all.flat_map(|(places, nominal)| places.next_ius(nominal.ius))
             .map(|iu| iu.context)
             .take(ACTIVITIES)
@@ -340,8 +334,8 @@ impl OpenActivity {
     }
 
     /// Whether its first IU is the first of a nominal activity.
-    pub(super) fn is_beginning_seen(&self, job: &Job<'_>) -> bool {
-        let mut all = self.places.iter().zip(job.activities);
+    pub(super) fn is_beginning_seen(&self) -> bool {
+        let mut all = self.places.iter().zip(self.job.activities);
         self.ius == 0 && all.all(|(places, _)| places.is_certainly(0))
     }
 
@@ -396,14 +390,14 @@ impl OpenActivity {
 
     /// Finds with which nominal activities the context of the newest IU agrees as it was seen. Returns whether it, with parts of the job, came between
     /// those of nominal activities that allow that.
-    pub(super) fn agree(&mut self, job: &Job<'_>, has_parts: bool) -> bool {
+    pub(super) fn agree(&mut self, has_parts: bool) -> bool {
         let context = self.newest;
         let newest = self.as_seen().wrapping_sub(1);
         let is_newest = |nominal: &usize| {
-            job.activities[*nominal].ius.get(newest).is_some_and(|iu| iu.context == context)
+            self.job.activities[*nominal].ius.get(newest).is_some_and(|iu| iu.context == context)
         };
         let agreeing: ActivitySet = self.agreeing.iter().filter(is_newest).collect();
-        let allows = |nominal: &usize| has_parts && job.allows_insertions(*nominal);
+        let allows = |nominal: &usize| has_parts && self.job.allows_insertions(*nominal);
         let allowing = self.agreeing.iter().filter(allows).collect();
         let is_inserted = agreeing.is_empty() && allowing != ActivitySet::EMPTY;
         if is_inserted {
@@ -434,30 +428,31 @@ impl OpenActivity {
 
     /// After a fault: the indices of the nominal activity that is followed and of its next IU with this context, or else of any before that. If there
     /// is none, another nominal activity that has one is followed.
-    pub(super) fn follow_on(&mut self, job: &Job<'_>, context: Context) -> Option<(usize, usize)> {
+    pub(super) fn follow_on(&mut self, context: Context) -> Option<(usize, usize)> {
         let Against::Following(nominal, next) = self.against else { return None };
-        let index = |nominal: usize, next| Some((nominal, index_from(job, nominal, next, context)?));
-        let others = || (0..job.activities.len()).find_map(|nominal| index(nominal, 0));
+        let context = self.as_shown(context);
+        let index = |nominal: usize, next| Some((nominal, self.index_from(nominal, next, context)?));
+        let others = || (0..self.job.activities.len()).find_map(|nominal| index(nominal, 0));
         let (nominal, index) = nominal.and_then(|nominal| index(nominal, next)).or_else(others)?;
         self.follow(Some(nominal), index + 1);
         Some((nominal, index))
     }
 
     /// Whether the hand only rests or steadies, where it was shown to.
-    pub(super) fn is_passive(&self, job: &Job<'_>) -> bool {
-        self.step == Step::Untaught && job.passive_contacts.contains(&self.context.0[1])
+    pub(super) fn is_passive(&self) -> bool {
+        self.step == Step::Untaught && self.job.passive_contacts.contains(&self.context.0[1])
     }
 
     /// Whether nothing in it is a fault: it rests where it was shown to, or does what the job can do without, in order.
-    pub(super) fn can_be_no_fault(&self, job: &Job<'_>) -> bool {
-        self.is_passive(job) || self.may_be_passive && self.broken.is_none()
+    pub(super) fn can_be_no_fault(&self) -> bool {
+        self.is_passive() || self.may_be_passive && self.broken.is_none()
     }
 
     /// What was not shown before in this activity of a hand.
-    pub(super) fn note(&self, side: Side, job: &Job<'_>) -> Option<Note> {
+    pub(super) fn note(&self) -> Option<Note> {
         match self.step {
-            Step::Untaught => (self.may_be_passive || !self.is_passive(job)).then_some(Note::Step),
-            Step::Shown(shown) if shown != side => Some(Note::OtherHand),
+            Step::Untaught => (self.may_be_passive || !self.is_passive()).then_some(Note::Step),
+            Step::Shown(shown) if shown != self.side => Some(Note::OtherHand),
             _ => self.order_note,
         }
     }
@@ -471,11 +466,11 @@ impl OpenActivity {
     }
 
     /// The candidate whose last IU has come, but for a release state, which leaves nothing to do. One in order comes before others, then the nearest.
-    pub(super) fn matched(&self, side: Side, progress: &Progress<'_>) -> Option<usize> {
+    pub(super) fn matched(&self, progress: &Progress<'_>) -> Option<usize> {
         let places = self.places_as_seen();
-        let has_ended = |nominal: &usize| places[*nominal].is_at_end(progress.job.activities[*nominal].ius);
+        let has_ended = |nominal: &usize| places[*nominal].is_at_end(self.job.activities[*nominal].ius);
         self.candidates().iter().filter(has_ended).min_by(|one, other| {
-            let is_out_of_order = |nominal: &usize| progress.order_fault(side, *nominal).is_some();
+            let is_out_of_order = |nominal: &usize| progress.order_fault(self.side, *nominal).is_some();
             is_out_of_order(one)
                 .cmp(&is_out_of_order(other))
                 .then(self.ratios[*one].total_cmp(&self.ratios[*other]))
@@ -483,10 +478,10 @@ impl OpenActivity {
     }
 
     /// An IU with this number and context has ended. Keeps the nominal activities that have it there, but for the part that the hand took.
-    pub(super) fn compare_but_for_part(&mut self, job: &Job<'_>, iu: usize, context: Context) {
+    pub(super) fn compare_but_for_part(&mut self, iu: usize, context: Context) {
         let taken = self.context.0[1];
         let is_like = |nominal: &usize| {
-            let ius = job.activities[*nominal].ius;
+            let ius = self.job.activities[*nominal].ius;
             let part = ius[0].context.0[1];
             ius.get(iu).is_some_and(|shown| part != taken && shown.context == context.with_part(taken, part))
         };
@@ -494,24 +489,25 @@ impl OpenActivity {
     }
 
     /// Whether a candidate has this context after the newest IU.
-    pub(super) fn goes_on_with(&self, job: &Job<'_>, context: Context) -> bool {
-        self.continuations(job).contains(&self.as_shown(context))
+    pub(super) fn goes_on_with(&self, context: Context) -> bool {
+        self.continuations().contains(&self.as_shown(context))
     }
 
     /// After a fault: whether the newest IU is the last one of the nominal activity that is followed.
-    pub(super) fn is_followed_to_its_end(&self, job: &Job<'_>) -> bool {
+    pub(super) fn is_followed_to_its_end(&self) -> bool {
         match self.against {
-            Against::Following(Some(nominal), next) => next == job.activities[nominal].ius.len(),
+            Against::Following(Some(nominal), next) => next == self.job.activities[nominal].ius.len(),
             _ => false,
         }
     }
 
     /// No candidate has `context` where it was before the newest IU. Follows the one that has it soonest after that, or else before, or the nearest.
-    pub(super) fn follow_nearest(&mut self, job: &Job<'_>, context: Context) {
+    pub(super) fn follow_nearest(&mut self, context: Context) {
+        let context = self.as_shown(context);
         let candidates = self.candidates_before();
         let come = |nominal: usize| self.places_before[nominal].lowest().unwrap_or(0);
         let found = candidates.iter().filter_map(|nominal| {
-            let index = index_from(job, nominal, come(nominal), context)?;
+            let index = self.index_from(nominal, come(nominal), context)?;
             Some((index < come(nominal), index, nominal))
         });
         let (nominal, next) = match found.min() {
@@ -520,13 +516,13 @@ impl OpenActivity {
         };
         self.follow(nominal, next);
     }
-}
 
-/// The first index of this context in a nominal activity from `next` on, or else before that.
-fn index_from(job: &Job<'_>, nominal: usize, next: usize, context: Context) -> Option<usize> {
-    let ius = job.activities[nominal].ius;
-    let has_context = |index: &usize| ius[*index].context == context;
-    (next..ius.len()).find(has_context).or_else(|| (0..ius.len()).find(has_context))
+    /// The first index of this context in a nominal activity from `next` on, or else before that.
+    fn index_from(&self, nominal: usize, next: usize, context: Context) -> Option<usize> {
+        let ius = self.job.activities[nominal].ius;
+        let has_context = |index: &usize| ius[*index].context == context;
+        (next..ius.len()).find(has_context).or_else(|| (0..ius.len()).find(has_context))
+    }
 }
 
 /// The nominal activities that have a place.

@@ -2,8 +2,8 @@
 
 use super::activity::{Against, OpenActivity, Remainder, Step, context_reason};
 use super::comparison::Memory;
+use super::ended::Interrupted;
 use super::hand::{Finding, HandJudge, OpenIu};
-use super::interrupted::Interrupted;
 use super::observation::IuObservation;
 use super::occlusion::{Cause, OcclusionLog, too_few_frames};
 use super::progress::Progress;
@@ -25,10 +25,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             None => Step::Foreign,
         };
         let number = progress.next_activity(self.side, began_ns, hidden == 0, matches!(step, Step::Shown(_)));
-        let job = progress.job;
-        let mut activity = OpenActivity::new(number, step, context, began_ns, hidden, &self.doubt, job);
+        let (whose, begin) = ((progress.job, self.side), (context, began_ns));
+        let mut activity = OpenActivity::new(whose, number, step, begin, hidden, &self.doubt);
         let shown = activity.as_shown(context);
-        if activity.is_beginning_seen(job) {
+        if activity.is_beginning_seen() {
             progress.set_start_seen(number, shown);
         }
         activity.may_be_passive = progress.may_be_passive(shown, hidden == 0 || self.doubt.was_idle());
@@ -61,7 +61,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             if is_certain {
                 // What begins with this couple is not what went on unseen.
                 let context = if self.iu.is_some() { couple.context } else { Context::IDLE };
-                activity.resume(self.side, context, progress);
+                activity.resume(context, progress);
             }
         }
     }
@@ -70,12 +70,12 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn begin_iu(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         self.end_interrupted(progress);
         let Some(activity) = &mut self.activity else { return };
-        let (job, context) = (progress.job, couple.context);
+        let context = couple.context;
         self.comparisons.clear();
         activity.may_be_passive &= progress.has_parts_of(context);
         let (is_doubtful, was_idle) = (self.doubt.is_doubtful(), self.doubt.was_idle());
-        let before = (self.doubt.hidden_before(), self.doubt.begin_iu());
-        let number = activity.next_iu(job, activity.as_shown(context), !is_doubtful, before);
+        let (hidden, has_been_idle) = (self.doubt.hidden_before(), self.doubt.begin_iu());
+        let number = activity.next_iu(context, !is_doubtful, hidden, has_been_idle);
         // With what goes on although all may have come, the next piece may have begun.
         if number > 0 && progress.may_be_matched() {
             progress.set_goes_on_in_next(self.side);
@@ -108,7 +108,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     fn confirm_iu(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         let (Some(iu), Some(activity)) = (&mut self.iu, &mut self.activity) else { return };
         iu.is_certain = true;
-        activity.confirm_iu(self.side, iu.elapsed, progress);
+        activity.confirm_iu(iu.elapsed, progress);
         if self.comparisons.is_empty() && iu.context.is_touch() && !iu.is_concluded {
             self.judge_context(couple, progress);
         }
@@ -142,9 +142,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     fn begin_with_candidates(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, activity.as_shown(couple.context));
-        let newest = activity.newest_ius(job);
+        let newest = activity.newest_ius();
         let agreeing: ActivitySet = newest.clone().map(|(nominal, _)| nominal).collect();
-        let is_inserted = activity.agree(job, progress.has_parts_of(context));
+        let is_inserted = activity.agree(progress.has_parts_of(context));
         // An IU that has certainly happened agrees with no other.
         if self.iu.is_some_and(|iu| iu.is_certain) {
             activity.keep(agreeing | activity.agreeing);
@@ -175,7 +175,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, activity.as_shown(couple.context));
         let found = activity
-            .follow_on(job, context)
+            .follow_on(couple.context)
             .filter(|_| !(activity.is_out_of_sequence() && activity.may_be_right()));
         match found {
             Some((nominal, index)) if context.is_touch() => {
@@ -198,7 +198,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         // What else lies there has not been seen for long enough either.
         let may_be_right = self.doubt.is_object_new() || activity.may_be_right();
         if (is_certain || !couple.is_in_sight()) && activity.against == Against::Candidates {
-            activity.follow_nearest(progress.job, activity.as_shown(couple.context));
+            activity.follow_nearest(couple.context);
         }
         let nominal = activity.nearest;
         if couple.is_in_sight() && !may_be_right {
@@ -319,7 +319,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress: &mut Progress<'a>,
     ) {
         let activity = self.activity.as_ref();
-        let goes_on = |next| activity.is_some_and(|activity| activity.goes_on_with(progress.job, next));
+        let goes_on = |next| activity.is_some_and(|activity| activity.goes_on_with(next));
         let may_pass = self.may_pass(observation) && next.is_some_and(|next| !goes_on(next));
         if self.comparisons.end().is_err() {
             self.conclude_unjudged(Reason::Overload, progress);

@@ -144,10 +144,7 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
         }
     }
 
-    /// Takes the next motion.
-    ///
-    /// # Errors
-    /// If the IU is too long to be compared.
+    /// Takes the next motion, unless the IU is too long to be compared.
     pub(super) fn append(&mut self, motion: &Motion) -> Result<(), Refused> {
         let has_free_ends = self.job.has_free_ends;
         for (comparison, distance) in self.open() {
@@ -160,10 +157,7 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
         Ok(())
     }
 
-    /// The IU has ended.
-    ///
-    /// # Errors
-    /// As [`append`](Self::append).
+    /// The IU has ended; else as [`append`](Self::append).
     pub(super) fn end(&mut self) -> Result<(), Refused> {
         let Some(one) = self.comparisons.first().filter(|_| self.job.has_free_ends) else { return Ok(()) };
         let rest = Motion::at_rest(one.iu.context);
@@ -192,7 +186,6 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
         self.comparisons.iter().all(|comparison| comparison.is_lost)
     }
 
-    /// The results of all comparisons.
     pub(super) fn results(&self, observation: IuObservation) -> impl Iterator<Item = ComparisonResult> {
         (0..self.comparisons.len()).map(move |number| self.result(number, observation))
     }

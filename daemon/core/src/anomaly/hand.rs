@@ -2,10 +2,9 @@
 
 use super::activity::{OpenActivity, Step};
 use super::comparison::{ComparisonResult, Comparisons, Memory};
+use super::ended::{Held, Interrupted};
 use super::grip::LastIu;
 use super::hand_doubt::HandDoubt;
-use super::held::Held;
-use super::interrupted::Interrupted;
 use super::observation::IuObservation;
 use super::occlusion::{Cause, OcclusionLog};
 use super::progress::Progress;
@@ -38,7 +37,7 @@ pub(super) struct HandJudge<'a, M> {
     pub(super) side: Side,
     pub(super) doubt: HandDoubt,
     pub(super) comparisons: Comparisons<'a, M>,
-    pub(super) activity: Option<OpenActivity>,
+    pub(super) activity: Option<OpenActivity<'a>>,
     pub(super) iu: Option<OpenIu>,
     pub(super) interrupted: Option<Interrupted>,
     pub(super) held: Option<Held>,
@@ -73,7 +72,7 @@ impl Finding {
     }
 
     /// What is wrong in an activity that accuses nobody is a step that was not shown. It is not judged, where too little of it was seen.
-    fn without_accusation(self, activity: &mut OpenActivity, cannot_accuse: bool) -> Self {
+    fn without_accusation(self, activity: &mut OpenActivity<'_>, cannot_accuse: bool) -> Self {
         if self.outcome != Outcome::Anomaly {
             return self;
         }
@@ -145,17 +144,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         })
     }
 
-    /// An IU is open, and has certainly happened.
     pub(super) fn is_iu_certain(&self) -> bool {
         self.iu.is_some_and(|iu| iu.is_certain)
     }
 
-    /// Everything that is open has its verdict.
     pub(super) fn is_concluded(&self) -> bool {
         self.is_resting() && self.activity.as_ref().is_none_or(|activity| activity.is_concluded)
     }
 
-    /// The IU is right.
     pub(super) fn conclude_right(&mut self, result: Option<ComparisonResult>, progress: &mut Progress<'a>) {
         let Some(activity) = &mut self.activity else { return };
         let nearest = result.map(|result| result.nominal);
@@ -268,7 +264,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = self.activity.as_mut().filter(|activity| !activity.is_concluded) else { return };
         let Finding { mut outcome, mut cause, nominal, .. } =
             finding.without_accusation(activity, cannot_accuse);
-        let is_no_fault = outcome == Outcome::NotJudged && activity.can_be_no_fault(progress.job);
+        let is_no_fault = outcome == Outcome::NotJudged && activity.can_be_no_fault();
         if is_no_fault {
             (outcome, cause) = (Outcome::Ok, Reason::None.into());
         }
@@ -278,7 +274,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         activity.is_concluded = true;
         let cause = self.occlusions.until_now(cause);
         let Cause { reason, missing } = cause;
-        let note = activity.note(self.side, progress.job);
+        let note = activity.note();
         let broken = activity.broken.filter(|_| outcome == Outcome::Anomaly && reason == Reason::WrongOrder);
         let measured = activity.measured.filter(|_| outcome == Outcome::Anomaly);
         progress.set_note(note);
@@ -292,7 +288,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             }
             Outcome::NotJudged => {
                 // Otherwise what comes next with the same object may be the remainder of it.
-                if !activity.has_certainly_ended(progress.job) {
+                if !activity.has_certainly_ended() {
                     self.doubt.unjudged = activity.context.0[1];
                 }
                 progress.set_unjudged(nominal, cause);

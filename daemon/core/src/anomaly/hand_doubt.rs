@@ -239,7 +239,7 @@ impl HandDoubt {
         (self.context.is_touch() && self.context.o_j() == self.unjudged).then_some(self.unjudged)
     }
 
-    /// Whether an IU that begins with this context may have begun before. It goes on from before a doubt, or an object was seen for the first time.
+    /// Whether an IU that begins with this context may have begun before a doubt, or before an object was first seen.
     pub(super) fn may_go_on(&self, context: Context) -> bool {
         self.is_object_new() || self.is_doubtful() && self.certain.is_none_or(|certain| certain == context)
     }

@@ -11,7 +11,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn compare_but_for_part(&mut self, iu: &Iu, progress: &mut Progress<'a>) {
         let Some((open, activity)) = self.iu.zip(self.activity.as_mut()) else { return };
         let (job, number) = (progress.job, usize::from(open.number));
-        activity.compare_but_for_part(job, number, iu.context);
+        activity.compare_but_for_part(number, iu.context);
         let shown = |nominal: usize| &job.activities[nominal].ius[number];
         let has_worked = |nominal: &usize| {
             let ius = job.activities[*nominal].ius;

@@ -21,7 +21,7 @@
 //!
 //! What the paper leaves open is decided as follows. `C`, `L` and `i` start again with every activity. An IU is wrong as soon as the minimum of the
 //! newest DTW row is above the thresholds of all comparisons: it never falls. Lengths and reversals have taught bounds, because DTW forgives a
-//! repeated motion that is cut short. A rest at either end costs nothing ([`Job::has_free_ends`]). A hand may also correct its grip (`interrupted`),
+//! repeated motion that is cut short. A rest at either end costs nothing ([`Job::has_free_ends`]). A hand may also correct its grip (`ended`),
 //! think better of a touch or put right what it has done (`grip`).
 //!
 //! # Doubt
@@ -52,12 +52,11 @@
 mod activity;
 mod algorithm;
 mod comparison;
+mod ended;
 mod grip;
 mod hand;
 mod hand_doubt;
-mod held;
 mod instead;
-mod interrupted;
 mod measure;
 mod observation;
 mod occlusion;
@@ -327,7 +326,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         u32::try_from(elapsed_ns / self.period_ns).unwrap_or(u32::MAX).max(1)
     }
 
-    /// Takes note of how much the next couples show, and of what has happened without a hand.
+    /// Takes how much the next couples show, and what has happened without a hand.
     fn observe(&mut self, couples: &Couples) {
         let frames = self.frames_to(couples.captured_ns);
         let Self { segmenter, bench, .. } = self;

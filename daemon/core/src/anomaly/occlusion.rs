@@ -37,43 +37,31 @@ pub(super) fn percent(frames: u32, of: u32) -> Option<u8> {
 }
 
 /// How many frames did not show what a hand acts on.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct OcclusionLog {
-    side: Side,
+    side: Option<Side>,
     period_ns: u64,
     /// All frames, and the newest of them that never came one after the other.
     frames: u32,
     newest_gap: u32,
     /// The most that never came one after the other.
     longest_gap: u32,
-    /// The hand or an object was hidden in them.
+    /// In how many of those that came the hand or an object was hidden, and how many never came.
     captured: u32,
-    /// They never came.
     uncaptured: u32,
-    /// In how many the hand was hidden.
+    /// In how many the hand was hidden, and objects with these ids.
     hand: u32,
-    /// The ids of objects, and in how many they were hidden.
     objects: [(u16, u32); COUNTED_OBJECTS],
 }
 
 impl OcclusionLog {
     pub(super) fn new(side: Side, period_ns: u64) -> Self {
-        Self {
-            side,
-            period_ns,
-            frames: 0,
-            newest_gap: 0,
-            longest_gap: 0,
-            captured: 0,
-            uncaptured: 0,
-            hand: 0,
-            objects: [(0, 0); COUNTED_OBJECTS],
-        }
+        Self { side: Some(side), period_ns, ..Self::default() }
     }
 
     /// Neither the newest couple nor anything before it matters.
     pub(super) fn forget(&mut self) {
-        *self = Self::new(self.side, self.period_ns);
+        *self = Self { side: self.side, period_ns: self.period_ns, ..Self::default() };
     }
 
     /// The next couple comes as many frames after the one before. Of a long gap, not all frames of the grid have a couple.
@@ -165,7 +153,7 @@ impl OcclusionLog {
             self.objects.iter().copied().max_by_key(|(_, frames)| *frames).unwrap_or_default();
         if self.hand >= frames && self.hand > 0 {
             let seconds = Some(self.seconds(self.hand));
-            let missing = Missing { hand: Some(self.side), seconds, ..Missing::default() };
+            let missing = Missing { hand: self.side, seconds, ..Missing::default() };
             return Cause { reason: Reason::HandNotSeen, missing };
         }
         let seconds = Some(self.seconds(frames)).filter(|_| object != 0);

@@ -3,12 +3,9 @@
 use super::comparison::Memory;
 use super::hand::{Finding, HandJudge};
 use super::progress::Progress;
-use crate::capacity::ACTIVITIES;
-use crate::couple::Context;
 use crate::segment::Segmenter;
 use crate::set::ActivitySet;
 use crate::verdict::{Outcome, Reason};
-use heapless::Vec;
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// Concludes that the activity is out of order, as soon as every candidate is. All events of one frame for both hands are known then.
@@ -60,7 +57,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let job = progress.job;
         let may_have_let_go = self.iu.is_none() || self.doubt.is_doubtful() || self.doubt.hidden_frames() > 0;
         let activity = self.activity.as_ref().filter(|activity| may_have_let_go || activity.may_have_ended());
-        let may_have_ended = activity.map_or(ActivitySet::EMPTY, |activity| activity.may_have_come(job));
+        let may_have_ended = activity.map_or(ActivitySet::EMPTY, |activity| activity.may_have_come());
         progress.set_may_have_ended(self.side, may_have_ended);
         if !self.is_resting() {
             return;
@@ -76,15 +73,15 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             segmenter.activity_matched(&[]);
             return;
         }
-        if activity.is_followed_to_its_end(job) {
+        if activity.is_followed_to_its_end() {
             // If it is done again at once, that is another activity, unless a longer one may go on so.
-            let mut continuations = activity.continuations(job);
+            let mut continuations = activity.continuations();
             // The job has its verdict, so a touch begins another activity, which may be the remainder of this one.
             if progress.is_concluded() {
                 self.doubt.may_be_remainder |= !continuations.is_empty();
                 continuations.clear();
             }
-            segmenter.activity_matched(&self.by_this_hand(continuations));
+            segmenter.activity_matched(&continuations);
             if activity.is_out_of_sequence() {
                 let cause = activity.unjudged.unwrap_or_else(|| self.unseen_cause(progress));
                 let nearest = activity.nearest;
@@ -92,9 +89,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 return;
             }
         }
-        let Some(nominal) = activity.matched(self.side, progress) else {
+        let Some(nominal) = activity.matched(progress) else {
             // What the hand does after it has been idle is another activity, unless it is idle in the middle of this one.
-            if self.doubt.was_idle() && activity.has_ended_if_idle(job) || activity.must_have_ended() {
+            if self.doubt.was_idle() && activity.has_ended_if_idle() || activity.must_have_ended() {
                 segmenter.activity_matched(&[]);
             }
             return;
@@ -104,19 +101,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             progress.set_waiting(self.side, Some(nominal).filter(|_| !activity.is_concluded));
             return;
         }
-        let continuations = activity.continuations(job);
-        segmenter.activity_matched(&self.by_this_hand(continuations.clone()));
+        let continuations = activity.continuations();
+        segmenter.activity_matched(&continuations);
         if continuations.is_empty() {
             self.conclude_matched(nominal, true, progress);
         } else if !activity.is_concluded {
             progress.set_waiting(self.side, Some(nominal));
         }
-    }
-
-    /// These contexts as this hand would have them.
-    fn by_this_hand(&self, mut contexts: Vec<Context, ACTIVITIES>) -> Vec<Context, ACTIVITIES> {
-        contexts.iter_mut().for_each(|context| *context = context.by_hand(self.side));
-        contexts
     }
 
     /// The activity has ended.
@@ -127,10 +118,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let nearest = activity.nearest.or(activity.candidates().lowest());
         let may_go_on = progress.is_end_assumed()
             || self.doubt.may_hold_another()
-            || !activity.may_have_come(progress.job).is_empty()
+            || !activity.may_have_come().is_empty()
             || activity.is_out_of_sequence() && activity.unjudged.is_some();
         let cause = activity.unjudged.unwrap_or_else(|| self.unseen_cause(progress));
-        match activity.matched(self.side, progress) {
+        match activity.matched(progress) {
             Some(nominal) => self.conclude_matched(nominal, false, progress),
             // What is missing may have happened unseen, and the activity may have been another one, or may still go on.
             None if may_go_on && !activity.is_concluded => {

@@ -10,10 +10,8 @@ fn min_known(persist: u8) -> u32 {
 
 /// The recent history of one edge of the scene graph.
 ///
-/// The newest frame is `persist_frames` ahead of the one whose couple is made. So a change is believed from its true first
-/// frame on, and only if it has lasted for `persist_frames`, that first frame included.
-///
-/// While one of its ends is not known, an edge neither begins nor ends. It stays as it was, and such frames do not confirm a change.
+/// The newest frame is `persist_frames` ahead of the one whose couple is made. So a change is believed from its true first frame on, and only if it
+/// has lasted for `persist_frames`. While one of its ends is not known, an edge stays as it was, and such frames do not confirm a change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Edge {
     /// Bit k: near (with hysteresis) k frames before the newest. 32 frames are more than the longest delay.
@@ -114,7 +112,6 @@ impl Edge {
         self.known >> age & 1 == 1 && seen != frames && seen & unchanged == 0
     }
 
-    /// Whether there is a contact in the frame that [`believe`](Self::believe) last asked for.
     pub(super) fn is_believed(self) -> bool {
         self.believed
     }

@@ -53,16 +53,13 @@ pub enum Refused {
 /// Makes the couples of both hands from frames.
 ///
 /// The couple of a frame is emitted once the frame `persist_frames` later is known. By then a contact that began in it has lasted long enough to be
-/// believed. Velocity and acceleration come from a window centred on it. So contacts and motion have their true time, without phase lag, at the price
-/// of one fixed delay. The motion of an IU starts where the IU starts.
+/// believed. Velocity and acceleration come from a window centred on it. So contacts and motion have their true time, without phase lag.
 ///
 /// Not seen is not known. While a hand or an object is not seen, its contacts neither begin nor end, and its motion is unknown. Each couple says what
 /// was seen, assumed and unseen, and whether so little was seen that its context is doubtful.
 ///
-/// A frame in which nobody was watching ([`Frame::is_unseen`]) is one that is missing, but for its time.
-///
-/// Frames that are missing on the grid are filled with frames in which nothing was seen. Of a longer gap only `blind_ms` and one frame more are
-/// filled. One step therefore emits at most `blind_ms * rate_hz + persist_frames + 2` couples.
+/// Frames that are missing on the grid, or in which nobody was watching ([`Frame::is_unseen`]), are filled with frames in which nothing was seen. Of a
+/// longer gap only `blind_ms` and one frame more are filled: one step emits at most `blind_ms * rate_hz + persist_frames + 2` couples.
 ///
 /// A hand or an object is left out if it repeats one of its frame. So is one with an unknown id or a coordinate that is not finite.
 #[derive(Clone, Debug)]

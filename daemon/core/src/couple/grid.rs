@@ -15,9 +15,9 @@ pub(super) enum Location {
 
 /// The grid. It begins at the first frame and follows the camera's clock.
 ///
-/// A frame belongs to a grid instant if it comes at most a third of a period before it or two thirds after it. Cameras stamp late rather than early.
-/// The frames of a camera of twice the rate, half a period from two instants, still fall clearly on one side. The instant then moves by an eighth of
-/// the frame's phase. So a camera of 29.97 Hz neither adds nor loses frames on a grid of 30 Hz. The jitter of single time stamps averages out.
+/// A frame belongs to a grid instant if it comes at most a third of a period before it or two thirds after it. Cameras stamp late rather than early,
+/// and the frames of one of twice the rate fall clearly on one side. The instant then moves by an eighth of the frame's phase. So a camera of 29.97 Hz
+/// neither adds nor loses frames on a grid of 30 Hz, and jitter averages out.
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
     period_ns: i128,

@@ -65,10 +65,8 @@ impl Interaction {
 
     /// The interaction in the next frame. `touched` are the edges from the hand, `neighbours` those from an object to others.
     ///
-    /// This is a Dijkstra search from the hand that stops after its second node. The first node that it settles is the one
-    /// nearest to the hand, `o_j`. The path leads on through `o_j`, whatever else the hand touches, so the second node is the
-    /// one nearest to `o_j`, `o_l`. An object remains `o_j` or `o_l` until its edge ends, even if another comes nearer. Of equal
-    /// distances the lowest index wins.
+    /// This is a Dijkstra search from the hand that stops after its second node: `o_j` is the one nearest to the hand, `o_l` the one nearest to `o_j`.
+    /// An object remains `o_j` or `o_l` until its edge ends, even if another comes nearer. Of equal distances the lowest index wins.
     pub(super) fn next<E: Iterator<Item = Edge>>(
         self,
         touched: impl Iterator<Item = Edge> + Clone,

@@ -18,8 +18,8 @@ pub(super) struct Kinematics {
     pub(super) tangential: f32,
 }
 
-/// How many times the error of a motion that every frame of the window shows may be exceeded. With the default window every second frame multiplies
-/// that of an acceleration by up to 1.96, and every third by 4.0. So every second is enough, and every third is not.
+/// How many times the error with all frames of the window may be exceeded. By default every second frame multiplies that of an acceleration by up to
+/// 1.96, and every third by 4.0. So every second is enough, and every third is not.
 const MAX_ERROR: f64 = 2.5;
 
 /// The maximum variances of a velocity and an acceleration that count as measured, as multiples of the variance of a position. In 1/s² and 1/s⁴. Few
@@ -51,10 +51,8 @@ impl Precision {
 pub(super) type Sample = (f64, Point);
 
 /// Fits a parabola to the positions around a frame and takes its value and its derivatives in that frame. It is a Savitzky-Golay filter that uses the
-/// time stamps as they are and skips frames without a position. The window is centred, so there is no phase lag.
-///
-/// `None` if the positions are too few or too unevenly spread for the precision, or all lie on one side of the frame. What was not measured is not
-/// known, and is not rest.
+/// time stamps as they are and skips frames without a position. `None` if the positions are too few or too unevenly spread for the precision, or all
+/// lie on one side of the frame: that is not known, and no rest.
 pub(super) fn kinematics(
     samples: impl Iterator<Item = Sample> + Clone,
     precision: &Precision,

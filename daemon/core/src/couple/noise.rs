@@ -9,9 +9,8 @@ use crate::capacity::PERSIST_FRAMES;
 use crate::input::Point;
 use heapless::Vec;
 
-/// A movement shorter than this is none, in metres: above the noise of landmarks and markers, and below the strokes of a tool. What has been hidden
-/// or held and is no farther than this from where it was is where it was. Halved, 9 fewer of 435 right runs of people are accepted, and doubled 4.
-/// Doubled, 11 fewer of 540 faults are found.
+/// A movement shorter than this is none, in metres: above the noise of landmarks and markers, and below the strokes of a tool. Halved, 9 fewer of 435
+/// right runs of people are accepted, and doubled 4. Doubled, 11 fewer of 540 faults are found.
 pub const MOVED_M: f32 = 0.015;
 
 /// Whether what was at one of two places and is at the other one has moved.
@@ -41,9 +40,8 @@ const MAX_DIFFERENCES: usize = 2 * PERSIST_FRAMES;
 const MIN_DRIFT_FRAMES: u16 = 10;
 const MAX_DRIFT_FRAMES: u16 = 300;
 
-/// A few frames hold few independent errors of a drift, so that it seems less than it is, or more. In this many frames its variance counts as twice
-/// as large, or as half as large where it is asked whether something moves. Halved or doubled, 271 of 3,700 drawn streams differ, those that
-/// have noise.
+/// A few frames hold few independent errors of a drift. In this many its variance counts as twice as large, or as half as large where it is asked
+/// whether something moves. Halved or doubled, 271 of 3,700 drawn streams differ, those that have noise.
 const UNCERTAIN_FRAMES: f32 = 30.0;
 
 /// More than this is motion, not drift, in metres, while a change is believed and while the hands rest. A tracker that drifts more cannot resolve a
@@ -54,8 +52,8 @@ const MAX_DRIFT_M: f32 = 0.03;
 /// Halved, doubled or without it, none of 975 runs of people is judged otherwise.
 const CLIP_AT_MEANS: f32 = 9.0;
 
-/// The bound of how far apart jitter lets two positions of an object at rest seem, in metres. It is that of these `positions`, one per frame, `None`
-/// where not known. It is 0 where too few in a row are known to tell.
+/// The bound of how far apart jitter lets two positions of an object at rest seem, in metres, from `positions`, one per frame, `None` where not known.
+/// It is 0 where too few in a row are known to tell.
 ///
 /// In third differences the motion of a hand leaves next to nothing: two strokes of 7 cm per second leave 0.2 mm. One position that is misread is in
 /// four of them, which count no more than large errors do.

@@ -1,5 +1,4 @@
-//! The recent poses of hands and objects on the grid. An unseen pose is kept. A hidden object that a hand carries moves with it, and so does a hidden
-//! hand with what it carries.
+//! The recent poses of hands and objects on the grid.
 
 use super::geometry::{
     Cloud, Quaternion, about_z, add, distance, inverse, rotated, rotation_after, subtract, unit, yaw,
@@ -159,7 +158,6 @@ impl HandPose {
         }
     }
 
-    /// Its interaction points.
     pub(super) fn cloud(&self) -> Option<Cloud> {
         Cloud::new(&self.tips)
     }
@@ -226,8 +224,7 @@ impl ObjectPose {
         rotated(subtract(point, self.position), inverse(self.orientation))
     }
 
-    /// The pose in the next frame if the object is not seen in it and no hand carries it. An object is `covered` by a hand only from
-    /// the frame on in which it vanished. Where a hand that carries it goes unseen, nothing is assumed.
+    /// The pose in the next frame if the object is not seen in it and no hand carries it. It is `covered` only from the frame on in which it vanished.
     pub(super) fn kept(self, covered: bool) -> Self {
         let source = match self.source {
             Source::Never => return self,

@@ -19,8 +19,6 @@ struct Eru {
     motion: Motion,
     began_ns: u64,
 }
-
-/// An open IU.
 #[derive(Clone, Copy, Debug)]
 struct OpenIu {
     so_far: Iu,
@@ -30,7 +28,6 @@ struct OpenIu {
     unmeasured: u32,
 }
 
-/// An open activity.
 #[derive(Clone, Copy, Debug)]
 struct OpenActivity {
     /// The context of its first IU.
@@ -151,10 +148,10 @@ impl Segmenter {
     }
 
     /// The activity has matched a nominal activity to its last IU. If its first object is touched again, that begins a new one, unless the context is
-    /// one of `continuations`. At most [`ACTIVITIES`] contexts, the maximum number of candidates, are used.
+    /// one of `continuations`, by whichever hand. At most [`ACTIVITIES`] contexts, the maximum number of candidates, are used.
     pub fn activity_matched(&mut self, continuations: &[Context]) {
-        let known = || continuations.iter().take(ACTIVITIES).copied().collect();
-        self.continuations = self.activity.map(|_| known());
+        let by_this_hand = continuations.iter().take(ACTIVITIES).map(|context| context.by_hand(self.side));
+        self.continuations = self.activity.map(|_| by_this_hand.collect());
     }
 
     /// The IU that has ended last is not over, because the hand let go in the middle of its activity. A touch in the same context goes on with it.
@@ -203,17 +200,6 @@ impl Segmenter {
 
     fn begin_iu(&mut self, couple: &Couple, emit: &mut impl FnMut(Event)) {
         let (context, began_ns) = (couple.context, couple.captured_ns);
-        let so_far = Iu {
-            context,
-            began_ns,
-            ended_ns: began_ns,
-            frames: 0,
-            waited: 0,
-            measured: 0,
-            seen: 0,
-            measures: Measures::default(),
-            is_in_sight: true,
-        };
         // The activity continues, so whether it matches is open again.
         self.continuations = None;
         self.ended = None;
@@ -222,18 +208,17 @@ impl Segmenter {
         if self.iu.is_some() {
             emit(Event::IuResumed { side });
         } else {
+            let so_far = Iu { context, began_ns, is_in_sight: true, ..Iu::default() };
             self.iu = Some(OpenIu { so_far, meter: Meter::default(), eru: None, unmeasured: 0 });
             emit(Event::IuBegan { side, context, began_ns });
         }
     }
 
     fn end_iu(&mut self, ended_ns: u64, emit: &mut impl FnMut(Event)) {
-        if self.iu.is_some() {
-            while let Some(motion) = self.filter.flush() {
-                self.take_filtered(motion, emit);
-            }
-            self.filter.clear();
+        while let Some(motion) = self.filter.flush() {
+            self.take_filtered(motion, emit);
         }
+        self.filter.clear();
         let side = self.side;
         if let Some(OpenIu { so_far, meter, eru, unmeasured }) = self.iu.take() {
             self.ended = Some(OpenIu { so_far, meter, eru: None, unmeasured: 0 });
@@ -244,10 +229,8 @@ impl Segmenter {
             if let Some(Eru { motion, began_ns }) = eru {
                 emit(Event::Eru { side, context, motion, began_ns, ended_ns });
             }
-            emit(Event::IuEnded {
-                side,
-                iu: Iu { ended_ns, measures: meter.measures(&self.ways[0]), ..so_far },
-            });
+            let iu = Iu { ended_ns, measures: meter.measures(&self.ways[0]), ..so_far };
+            emit(Event::IuEnded { side, iu });
             if let Some(activity) = &mut self.activity {
                 activity.ended_ns = ended_ns;
             }
@@ -263,14 +246,10 @@ impl Segmenter {
         if unmeasured > 0 {
             emit(Event::IuUnmeasured { side, frames: unmeasured });
         }
-        match iu.eru {
-            Some(eru) if eru.motion == motion => {}
-            ended => {
-                if let Some(eru) = ended {
-                    let (motion, ended_ns) = (eru.motion, began_ns);
-                    emit(Event::Eru { side, context, motion, began_ns: eru.began_ns, ended_ns });
-                }
-                iu.eru = Some(Eru { motion, began_ns });
+        if iu.eru.is_none_or(|eru| eru.motion != motion) {
+            if let Some(eru) = iu.eru.replace(Eru { motion, began_ns }) {
+                let (motion, ended_ns) = (eru.motion, began_ns);
+                emit(Event::Eru { side, context, motion, began_ns: eru.began_ns, ended_ns });
             }
         }
         emit(Event::IuFrame { side, motion, captured_ns: began_ns });

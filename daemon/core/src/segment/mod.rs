@@ -15,7 +15,7 @@ use crate::couple::{Context, Motion};
 use crate::input::Side;
 
 /// An Interaction Unit (IU) that has ended: the time in which the context of a hand is the same.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Iu {
     /// Its context.
     pub context: Context,

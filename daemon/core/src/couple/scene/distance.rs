@@ -1,9 +1,5 @@
 //! The edges of the scene graph: where and how near hands and objects meet (paper III-A.1, III-A.2). Two objects meet at their interaction
 //! points, or where the runs of a job have shown them to.
-//!
-//! A part that is carried past another moves farther than the contact is long while a change is believed: it does not touch. One that a
-//! hand brings to rest within the distance at which a contact ends does. Of 252 right executions by simulated people 6 were accused for a
-//! part in passing without this rule.
 
 use super::super::geometry::{Cloud, distance, subtract};
 use super::super::poses::{ObjectPose, Source};
@@ -38,7 +34,6 @@ pub(super) struct Shape {
     /// How far the finger tips may be from where it is touched and still carry it, in metres.
     pub(super) held_within_m: f32,
     pub(super) is_position_only: bool,
-    /// [`ObjectShape::start`].
     pub(super) start: Option<Around<3>>,
 }
 
@@ -140,7 +135,6 @@ impl Scene {
         apart(&one, &other, planar)
     }
 
-    /// Whether two objects may meet, see [`are_in_reach`].
     pub(super) fn are_in_reach(&self, i: usize, j: usize, age: usize) -> bool {
         let [one, other] = [i, j].map(|object| {
             let node = &self.objects[object];

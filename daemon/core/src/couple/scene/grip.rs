@@ -1,8 +1,5 @@
-//! What each hand holds, and so carries while that is hidden, or moves with while the hand is.
-//!
-//! Hands are lost where they hold something, and the part shows all that they do with it. In 36 right runs each of two real hands was lost
-//! three times for 0.2 to 0.4 s. In two draws 16 and 21 were judged without this, and 25 and 29 with it. A hand that is seen elsewhere
-//! afterwards had let go, and nothing is assumed of it.
+//! What each hand holds, and so carries while that is hidden, or moves with while the hand is. In 36 right runs each of two real hands was lost three
+//! times for 0.2 to 0.4 s. In two draws 16 and 21 were judged without this, and 25 and 29 with it.
 
 use super::super::interaction::Interaction;
 use super::super::noise::MOVED_M;
@@ -39,9 +36,7 @@ impl Scene {
     }
 
     /// A hand carries the object that it acts on while the object is hidden. That ends when the object is seen again or the hand has not been seen
-    /// for `blind_ms`. A hand that goes out of sight before the object still holds it as it did. An object that was hidden before it was grasped is
-    /// assumed to lie where it was last seen. One that was seen since then is held as it was when last seen. What a hand merely passes over it does
-    /// not carry. `gripped` are what each hand would carry.
+    /// for `blind_ms`. An object is held as it was when last seen, also if that was before it was grasped. `gripped` are what each hand would carry.
     pub(super) fn update_grips(&mut self, gripped: [Option<usize>; HANDS]) {
         let newest_couple = u32::from(self.method.persist_frames) + 1;
         for index in 0..self.objects.len() {
@@ -77,8 +72,8 @@ impl Scene {
         Some(exceeds(MOVED_M) && exceeds(self.drift_m(object)) && exceeds(jitter_m()))
     }
 
-    /// The object that a hand would carry if it were hidden from now on. One that the hand has been seen to leave behind stays where it is. It takes
-    /// longer to believe that the hand has let go.
+    /// The object that a hand would carry if it were hidden from now on. One that it has been seen to leave behind stays where it is, though that is
+    /// not believed yet.
     pub(super) fn gripped(&self, hand: usize) -> Option<usize> {
         let Interaction::Acts { j, .. } = self.interactions[hand] else { return None };
         let holds = self.hands[hand].ago(0).source == Source::Seen

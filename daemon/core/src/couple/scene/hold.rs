@@ -1,5 +1,4 @@
-//! Where a hand is that rests at what it has moved, as that shows it. Markers are seen more exactly than the landmarks of a hand, which would
-//! seem to make strokes.
+//! Where a hand is that rests at what it has moved: markers show it more exactly than the landmarks of a hand, which would seem to make strokes.
 
 use super::super::geometry::{add, rotated, subtract};
 use super::super::poses::{HandPose, ObjectPose, Source};
@@ -7,8 +6,7 @@ use super::{Interaction, Scene, squared_distance};
 use crate::capacity::HANDS;
 use crate::input::Point;
 
-/// The place is the mean of this many frames, the first ones in which the object rests. Its error is less than a third of that of one. Halved or
-/// doubled, none of 975 runs of people is judged otherwise.
+/// The place is the mean of the first frames in which the object rests. Halved or doubled, none of 975 runs of people is judged otherwise.
 const MEAN_FRAMES: u16 = 10;
 
 /// Where a hand holds an object that has moved with it: the centre of the finger tips in the frame of the object.

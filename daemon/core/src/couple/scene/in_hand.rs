@@ -2,17 +2,14 @@
 //! It is the in-hand relation of paper III-A.2. The *window* of a frame is this frame and the `persist_frames` after it, in which a change is
 //! believed. An object touches another that it comes near or is brought to rest at, unless it passes by.
 //!
-//! To be near is only the opportunity. A hand that flies over an object or brushes it is never at rest relative to it. What a hand
-//! holds rests relative to it, wherever both move; if it turns with the hand, then in its own frame of reference.
-//!
-//! A hand that flies over a part is never slower than 0.7 m/s there. One that takes it comes down to 0.02 m/s or carries it. Nearness alone began an
-//! IU 0.7 to 1.1 s before the grasp.
+//! To be near is only the opportunity: nearness alone began an IU 0.7 to 1.1 s before the grasp. A hand that flies over a part is never slower than
+//! 0.7 m/s there. One that takes it comes down to 0.02 m/s or carries it. What it holds rests relative to it, in the bench frame or in that of the part.
 //!
 //! After it has let go, a hand that rests there again makes no new contact until the part moves with it. A tracker with errors of 1 or 2 mm
 //! would else see the step begin once more.
 //!
-//! Nearness is how some people have been shown to hold an object, and others hold it elsewhere. An object that moves with one hand alone is in that
-//! hand if the finger tips are near enough. That is a hand's width from where the runs hold it, or within reach where no run shows it.
+//! People hold an object elsewhere than others did. One that moves with one hand alone is in that hand if the finger tips are near enough: a hand's
+//! width from where the runs hold it, or within reach where no run shows it.
 
 use super::super::geometry::{distance, dot, norm, subtract};
 use super::super::poses::Source;
@@ -31,8 +28,8 @@ pub(super) enum InHand {
     /// It is not at the object, or only passes it.
     #[default]
     No,
-    /// It has let go of the object and has not gone away since. A hand that rests there only lingers, until the object moves with it or it comes back
-    /// from where it was farthest, in metres.
+    /// It has let go of the object and has not gone away since. It only lingers until the object moves with it or it comes back from where it was
+    /// farthest, in metres.
     Lingers { farthest_m: f32 },
     /// It is at the object, and it has not been seen whether it acts on it.
     Unknown,
@@ -116,8 +113,8 @@ impl Scene {
         }
     }
 
-    /// Whether the object moves with this hand alone, within its reach and by more than errors. The hand acts on nothing else then, and the other
-    /// hand neither on this nor on what this touches. `None` where it may be the other hand that moves it.
+    /// Whether the object moves with this hand alone, which acts on nothing else; the other hand acts neither on this nor on what this touches. `None`
+    /// where it may be the other hand that moves it.
     fn leads(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
         let other_hand = 1 - hand;
         let is_free = |other: usize| {
@@ -151,7 +148,7 @@ impl Scene {
         moved.is_some_and(|(_, path_m)| path_m > self.hand_contact(object).on_m)
     }
 
-    /// Whether a hand that has led an object may still hold it. It has not been seen to move along it or away from it.
+    /// Whether a hand that has led an object has not been seen to move along it or away from it.
     fn stays_anywhere(&self, hand: usize, object: usize, age: usize) -> bool {
         self.relative_path(hand, object, age).is_none()
             || self.is_within_reach(hand, object, age) && self.slips_until(hand, object, age).is_none()
@@ -252,8 +249,7 @@ impl Scene {
     }
 
     /// Whether the object moves with a hand at it, or the hand rests relative to it up to the end of the window. `None` where that was not measured.
-    /// If the hand is at several objects and rests relative to one, it also rests relative to each that rests relative to this one. Which of them is
-    /// measured to rest first is chance.
+    /// If the hand rests relative to one object, it also rests relative to each at which it is and that rests relative to this one.
     pub(super) fn rests(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
         if !self.is_at(hand, object, age) {
             return Some(false);
@@ -336,15 +332,14 @@ impl Scene {
         jitter_m.max(SQRT_2 * self.drift_m(object))
     }
 
-    /// A hand that has moved this far along an object or away from it, in metres, does not hold it. It is half of the contact distance: a hand that
-    /// is seen inexactly seems farther away, and seems to slip as much. With a quarter 114 of 3,700 drawn streams differ, and 157 with all.
+    /// A hand that has moved this far along an object or away from it, in metres, does not hold it: half of the contact distance. With a quarter 114 of
+    /// 3,700 drawn streams differ, and 157 with all.
     fn slipped_m(&self) -> f32 {
         self.method.hand_contact.on_m / 2.0
     }
 
-    /// Whether the object moves with the hand. It moves more than half as far as they move apart, and the hand over a quarter of its way. Two hands that carry
-    /// a part together do not hold it as stiffly as one. The first share halved or doubled, 32 or 31 of 3,700 drawn streams differ, and 50 or
-    /// 52 of the second one.
+    /// Whether the object moves with the hand: more than half as far as they move apart, as two hands do not hold a part stiffly, and the hand over a
+    /// quarter of its way. The first share halved or doubled, 32 or 31 of 3,700 drawn streams differ, and 50 or 52 of the second one.
     fn follows(&self, hand: usize, object: usize, age: usize) -> bool {
         self.relative_path(hand, object, age).is_some_and(|(newest, path_m)| {
             let (hands, poses) = (&self.hands[hand], &self.objects[object].poses);
@@ -357,8 +352,7 @@ impl Scene {
         })
     }
 
-    /// The speed of the finger tips relative to the object, in m/s, in the bench frame or that of the object, whichever is less. So the orientation
-    /// of a part that turns without meaning does not matter.
+    /// The speed of the finger tips relative to the object, in m/s, in the bench frame or that of the object, which may turn without meaning: the less.
     fn relative_speed(&self, hand: usize, object: usize, age: usize) -> Option<f32> {
         let speed_in = |frame: usize| {
             let motion =
@@ -368,8 +362,8 @@ impl Scene {
         Some(f32::min(speed_in(0)?, speed_in(1)?))
     }
 
-    /// The age of the window's last known frame, and the displacement of the finger tips relative to the object until then, in metres. It is from
-    /// this frame or the last known one before it, in the bench frame or that of the object, whichever is less.
+    /// The age of the window's last known frame, and how far the finger tips have moved relative to the object from this frame until then, in metres. It
+    /// is in the bench frame or that of the object, whichever is less.
     fn relative_path(&self, hand: usize, object: usize, age: usize) -> Option<(usize, f32)> {
         let positions = |age: usize| self.relative_positions(hand, object, age);
         let mut ages = age..=age + usize::from(self.method.persist_frames);
@@ -393,7 +387,7 @@ impl Scene {
         Some((newest, distance(to, from)))
     }
 
-    /// Where the finger tips are from the object, in metres: in the bench frame and in that of the object. `None` where either is not known.
+    /// Where the finger tips are from the object, in metres: in the bench frame and in that of the object.
     fn relative_positions(&self, hand: usize, object: usize, age: usize) -> Option<[Point; 2]> {
         let (hand, object) = (self.hands[hand].ago(age), self.objects[object].poses.ago(age));
         let is_known = hand.source == Source::Seen && object.source.is_known();

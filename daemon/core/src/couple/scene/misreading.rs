@@ -1,7 +1,5 @@
-//! Positions that are misread: a marker or a hand that is taken for another one is elsewhere from one frame to the next.
-//!
-//! A jump that takes more than 60 m/s² is not believed before it has lasted as long as a change. A quick reach has 20 to 30 m/s². Without
-//! this rule two markers that are taken for each other make every path too long.
+//! Positions that are misread: a marker or a hand that is taken for another one is elsewhere from one frame to the next. Two markers that are taken
+//! for each other would make every path too long.
 
 use crate::config::Method;
 use crate::couple::geometry::{add, distance, subtract};
@@ -19,7 +17,7 @@ const NOISE_M: f32 = 0.05;
 /// What has jumped to where it is seen counts as unseen, unless it stays for as long as a change takes to be believed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Misreading {
-    /// Where it was seen in the newest frame if that was not believed, and how many frames in a row were not.
+    /// Where it was seen last if that was not believed, and how many frames in a row were not.
     newest: Point,
     frames: u8,
 }

@@ -1,14 +1,12 @@
 //! The scene graphs of both hands: poses as nodes, contacts as edges, and the couple that is read off them (paper III-A).
 
 mod distance;
-mod drift;
-mod glimpse;
 mod grip;
 mod hold;
 mod in_hand;
+mod lying;
 mod misreading;
 mod sides;
-mod start;
 mod unseen;
 mod waiting;
 
@@ -26,12 +24,12 @@ use crate::object::ObjectShape;
 use crate::set::ObjectSet;
 use core::ops::RangeInclusive;
 use distance::Shape;
-use glimpse::Glimpses;
 use heapless::Vec;
 use hold::Hold;
 use in_hand::{InHand, ObjectContact};
 use misreading::Misreading;
 use sides::Sides;
+use unseen::Glimpses;
 
 /// A parabola explains the positions if their noise bound is at least so many residuals: half of the 5.9 of noise alone, by default. Halved or
 /// doubled, none or 1 of 975 runs of people is judged otherwise.
@@ -75,8 +73,8 @@ pub(super) struct Scene {
     quantiser: Quantiser,
     /// A hand or object that has not been seen for more frames than this is out of sight (`blind_ms`).
     blind_frames: u32,
-    /// Motion is measured by positions within this time of the frame, in seconds: those of the window, whose time stamps may jitter by half of it. What
-    /// lies behind a gap in the grid is none of them. With all of them 4 of 3,700 drawn streams differ, and 30 without the jitter.
+    /// Motion is measured by positions within this time of the frame, in seconds: the window and half of it for jitter, and nothing behind a gap. With
+    /// all positions 4 of 3,700 drawn streams differ, and 30 without the jitter.
     window_s: f64,
     precision: Precision,
     times_ns: Recent<u64>,
@@ -123,13 +121,13 @@ pub(super) struct Scene {
     holds: [Option<Hold>; HANDS],
     /// For how many frames each has been what it is.
     lasted: [u32; HANDS],
-    /// What was not seen when each began: [`Unseen::CHANGE`], [`Unseen::ARRIVAL`] and [`Unseen::MOVE`]. The first stands where the end of the one
-    /// before was not seen, or it is not known whether its two objects touch.
+    /// What was not seen when each began: [`Unseen::CHANGE`] of the end of the one before or of whether its two objects touch, [`Unseen::ARRIVAL`] and
+    /// [`Unseen::MOVE`].
     began: [Unseen; HANDS],
 }
 
 impl Scene {
-    /// An empty scene. The ids of `shapes` differ; a shape without interaction points or beyond the capacity is left out.
+    /// The ids of `shapes` differ; a shape without interaction points or beyond the capacity is left out.
     pub(super) fn new(method: Method, shapes: &[ObjectShape]) -> Self {
         let nodes = shapes.iter().filter_map(|shape| Some(Node::new(Shape::new(shape, &method)?)));
         let mut objects: Vec<Node, OBJECTS> = nodes.take(OBJECTS).collect();
@@ -147,7 +145,6 @@ impl Scene {
         }
     }
 
-    /// Forgets everything that was seen.
     pub(super) fn clear(&mut self) {
         let objects = self.objects.iter().map(|node| Node::new(node.shape.clone())).collect();
         *self = Self { objects, ..Self::new(self.method, &[]) };
@@ -312,8 +309,8 @@ impl Scene {
         }
     }
 
-    /// The edges from a hand to the objects that are in it: the one that it acts on, and others at which it rests. A hand that lets go of
-    /// one object leaves those beside it at nearly the same time, and does not act on them.
+    /// The edges from a hand to the objects that are in it: the one that it acts on, and others at which it rests. One that lets go of it leaves those
+    /// beside it at nearly the same time.
     fn touched(&self, hand: usize, age: usize) -> impl Iterator<Item = interaction::Edge> + Clone {
         let former = self.interactions[hand].held();
         let is_touched = move |j: &usize| {
@@ -392,8 +389,8 @@ impl Scene {
         })
     }
 
-    /// A position in the frame of this age. Where one frame alone is too inexact to measure anything, the parabola through the frames around it gives
-    /// the position. If these are farther off the parabola than their errors, the motion is too quick for it, and the position stays as seen.
+    /// A position in the frame of this age. Where one frame alone is too inexact, it is that of the parabola through the frames around it, unless the
+    /// motion is too quick for one: these are farther off it than their errors.
     fn steady(&self, age: usize, known: impl Fn(usize) -> Option<Point> + Copy) -> Option<Point> {
         let seen = known(age)?;
         let jitter_m = jitter_bound_m(self.around(age).map(known));
@@ -453,8 +450,7 @@ impl Scene {
         (pose.source == Source::Seen).then_some(pose.position)
     }
 
-    /// The bound of how far apart jitter lets two positions of an object at rest seem, in metres; 0 where it is not known. It is that of all
-    /// remembered frames, or of those around `age` if it is larger there, as where fingers pass before a marker.
+    /// As [`jitter_bound_m`] of all remembered frames, or of those around `age` if it is larger there, as where fingers pass before a marker.
     fn jitter_bound_m(&self, age: usize, known: impl Fn(usize) -> Option<Point> + Copy) -> f32 {
         f32::max(jitter_bound_m((0..REMEMBERED).map(known)), jitter_bound_m(self.around(age).map(known)))
     }
@@ -465,7 +461,6 @@ impl Scene {
         age.saturating_sub(half)..=age + half
     }
 
-    /// Uses the frames [`around`](Self::around) this one, which adds nothing to the delay of the contacts.
     fn kinematics(&self, age: usize, known: impl Fn(usize) -> Option<Point> + Clone) -> Option<Kinematics> {
         let now = *self.times_ns.ago(age);
         let sample = |age: usize| -> Option<Sample> {

@@ -1,10 +1,9 @@
 //! Whose hand is seen. A tracker may confuse the two hands for some frames. A hand that is where one of them has just been, and the other has not, is
 //! that one. One that may be either is not seen.
 //!
-//! A name that lasts longer than `blind_ms` is believed. Where two hands meet, a part may be handed over, so that the tracker is as likely right as
-//! wrong. A rule that kept the old name would call a handing over the work of one hand. It is not resolved in silence: the other hand has verdicts of
-//! its own, with a question where its work was not shown. The hand that has lost its name is not seen. Its work is right only where what was seen of
-//! the parts leaves no fault that it could hide.
+//! A name that lasts longer than `blind_ms` is believed: where two hands meet, a part may be handed over. A rule that kept the old name would call
+//! that the work of one hand. The other hand has verdicts of its own, with a question where its work was not shown. The hand that has lost its name is
+//! not seen.
 
 use super::misreading::{is_reached, off_course_m};
 use crate::capacity::HANDS;

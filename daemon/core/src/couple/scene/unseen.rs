@@ -9,11 +9,37 @@ use super::super::poses::{HandPose, ObjectPose, Recent, Source};
 use super::in_hand::ObjectContact;
 use super::{Node, Scene, squared_distance};
 use crate::capacity::HANDS;
+use crate::input::Point;
 use crate::set::ObjectSet;
 
 /// What a seen hand carries may be lost for this many times `blind_ms`, by default two seconds. Nobody puts it down and comes back sooner. With
 /// twice 40 of 3,700 drawn streams differ, and 26 with four times.
 const CARRIED_BLIND_TIMES: u32 = 3;
+
+/// The places at which an object was seen lately. Where that is so seldom that no motion of it is measured, a hand that takes it and puts it down between
+/// two glimpses is not seen to act on it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Glimpses {
+    /// Where it was seen last, and frames since then.
+    newest: Option<Point>,
+    unseen: u32,
+    /// How many times in a row it has been elsewhere, unmeasured each time.
+    moves: u8,
+}
+
+impl Glimpses {
+    /// Takes where the object is seen in the newest frame, or `None`. Says whether it is carried about unmeasured: it has been elsewhere at two glimpses
+    /// in a row, each more than `persist` and at most `blind` frames after the one before. What was only exchanged unseen has been elsewhere once.
+    fn push(&mut self, seen: Option<Point>, persist: u32, blind: u32) -> bool {
+        self.unseen = self.unseen.saturating_add(1);
+        let Some(place) = seen else { return false };
+        let is_glimpse = persist < self.unseen && self.unseen <= blind;
+        let is_elsewhere = self.newest.is_some_and(|lay| has_moved(lay, place));
+        let moves = if is_glimpse && is_elsewhere { self.moves.saturating_add(1) } else { 0 };
+        *self = Self { newest: Some(place), unseen: 0, moves };
+        moves >= 2
+    }
+}
 
 impl Scene {
     /// An object that was hidden is seen again. Where it is elsewhere than was assumed, all that was assumed of it is forgotten.
@@ -67,9 +93,9 @@ impl Scene {
         is_any
     }
 
-    /// Whether a hand that is not seen carries an object: it moves, and no hand is seen at it. It counts as moved only if it did so in both of the
-    /// last two windows. A part that is put in place while the camera is covered moves in neither. One that is misread, as where fingers pass before
-    /// its marker, is back where it was. Where frames come too seldom to measure what a hand does, it does not matter whether the hand is seen.
+    /// Whether a hand that is not seen carries an object: it moves in both of the last two windows, and no hand is seen at it. A part that is put in
+    /// place while the camera is covered moves in neither, and one that is misread is back where it was. Where frames come too seldom to measure what a
+    /// hand does, it does not matter whether the hand is seen.
     pub(super) fn are_carried_unseen(&mut self) -> bool {
         let moves_unmeasured = self.move_unmeasured();
         let persist = usize::from(self.method.persist_frames);
@@ -156,8 +182,8 @@ impl Scene {
         }
     }
 
-    /// Finds out which hands may have taken objects that are hidden. It is each that was at the object or was not seen, and one to which the other
-    /// may have given it. What moved when it vanished is in a hand, even if that has not been seen for long.
+    /// Finds which hands may have taken objects that are hidden: each that was at the object or was not seen, and one to which the other may have given
+    /// it. What moved when it vanished is in a hand, even if that has not been seen for long.
     fn update_taken(&mut self) {
         let persist = usize::from(self.method.persist_frames);
         // What the hand is seen to act on leaves no room in it.
@@ -293,8 +319,8 @@ impl Scene {
         })
     }
 
-    /// Whether the hand moves away from `o_j`, and not all frames that would show whether it has left it were clear. Or it moves along `o_j`, and it
-    /// is not seen what comes after that. These are the frames in which that motion is measured: one more than those in which a contact is believed.
+    /// Whether the hand moves away from `o_j`, and not all frames that would show whether it has left were clear; or along it, and the last was not.
+    /// They are those in which that motion is measured: one more than those in which a contact is believed.
     pub(super) fn may_have_left(&self, hand: usize, interaction: Interaction, age: usize) -> bool {
         let Interaction::Acts { j, .. } = interaction else { return false };
         let measured = contact::ahead(age, self.method.persist_frames + 1);

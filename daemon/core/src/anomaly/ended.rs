@@ -1,14 +1,30 @@
-//! An IU that seems to have ended where something was not seen. Where it would be wrong if it has, its verdict waits until it is certain that it has.
-//! Until then what comes is not decided either.
+//! IUs that have ended, or seem to have, and wait for their verdict.
+//!
+//! A hand may correct its grip: it lets go in the middle of an activity and takes the same part again, in the same context. The IU goes on, and has its
+//! verdict only when something else begins, unless it is certainly wrong before. Where the job has the same IU twice, it counts twice.
+//!
+//! An IU may seem to end where something was not seen. Where it would be wrong if it has, its verdict waits until it is certain that it has. Until then
+//! what comes is not decided either.
 
+use super::activity::{Against, Step};
 use super::comparison::{ComparisonResult, Memory};
 use super::hand::{Finding, HandJudge, OpenIu};
 use super::observation::IuObservation;
 use super::progress::Progress;
-use crate::couple::{Couple, Unseen};
+use crate::couple::{Context, Couple, Unseen};
+use crate::segment::Iu;
 use crate::verdict::{Outcome, Reason};
 
-/// What is wrong if it has ended.
+/// An IU of which the hand has let go in the middle of its activity.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Interrupted {
+    pub(super) open: OpenIu,
+    /// What is known of it if it is over.
+    pub(super) observation: IuObservation,
+    pub(super) iu: Iu,
+}
+
+/// An IU that is wrong if it has ended, and why.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Held {
     open: OpenIu,
@@ -18,6 +34,32 @@ pub(super) struct Held {
 }
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
+    /// Whether the hand, which lets go, is certainly not at the end of its activity, and no IU in the same context comes next.
+    pub(super) fn may_be_interrupted(&self, progress: &Progress<'a>) -> bool {
+        let Some((open, activity)) = self.iu.zip(self.activity.as_ref()) else { return false };
+        let is_of_step = matches!(activity.step, Step::Shown(_)) && activity.against == Against::Candidates;
+        let is_at_end = !activity.may_have_come().is_empty() || activity.matched(progress).is_some();
+        is_of_step
+            && open.is_certain
+            && open.context.is_touch()
+            && !activity.is_concluded
+            && !is_at_end
+            && !activity.goes_on_with(open.context)
+    }
+
+    /// The hand has taken again what it had let go of.
+    pub(super) fn resume_iu(&mut self) {
+        self.iu = self.interrupted.take().map(|interrupted| OpenIu { ended_ns: None, ..interrupted.open });
+    }
+
+    /// Something else begins than the IU of which the hand has let go, so that one is over.
+    pub(super) fn end_interrupted(&mut self, progress: &mut Progress<'a>) {
+        let Some(Interrupted { open, observation, iu }) = self.interrupted.take() else { return };
+        self.iu = Some(open);
+        self.decide_at_end(observation, Some(Context::IDLE), progress);
+        self.close_iu(&iu, progress);
+    }
+
     /// The IU has ended in doubt. Holds it back if it is wrong unless it goes on. Returns whether it does.
     pub(super) fn hold_back(&mut self, observation: IuObservation, progress: &Progress<'a>) -> bool {
         let Some(open) = self.iu.filter(|iu| iu.is_certain && !iu.observation.may_be_part) else {
