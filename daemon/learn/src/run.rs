@@ -9,7 +9,7 @@ use andon_core::config::Method;
 use andon_core::couple::{self, Context, Couples, Encoder, Motion};
 use andon_core::input::{Frame, Point, Side};
 use andon_core::object::ObjectShape;
-use andon_core::segment::{Event, JobSegmenter, Measures};
+use andon_core::segment::{Event, HandEvent, JobSegmenter, Measures};
 use andon_core::verdict::Verdict;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -355,14 +355,15 @@ struct Collector {
 
 impl Collector {
     fn take(&mut self, event: Event) {
+        let Event::Hand(side, event) = event else { return };
         match event {
-            Event::ActivityBegan { side, .. } => {
+            HandEvent::ActivityBegan { .. } => {
                 self.open[side.index()] = Some(self.activities.len());
                 self.activities.push(Activity { side, ius: Vec::new() });
             }
-            Event::IuBegan { side, .. } => self.motion[side.index()].clear(),
-            Event::IuFrame { side, motion, .. } => self.motion[side.index()].push(motion),
-            Event::IuEnded { side, iu } => {
+            HandEvent::IuBegan { .. } => self.motion[side.index()].clear(),
+            HandEvent::IuFrame { motion, .. } => self.motion[side.index()].push(motion),
+            HandEvent::IuEnded(iu) => {
                 let motion = std::mem::take(&mut self.motion[side.index()]);
                 let activity = self.open[side.index()].and_then(|open| self.activities.get_mut(open));
                 // An IU without a frame cannot be compared.
@@ -380,12 +381,8 @@ impl Collector {
                     });
                 }
             }
-            Event::ActivityEnded { side, .. } => self.open[side.index()] = None,
-            Event::JobBegan { .. }
-            | Event::IuResumed { .. }
-            | Event::IuUnmeasured { .. }
-            | Event::Eru { .. }
-            | Event::JobEnded { .. } => {}
+            HandEvent::ActivityEnded { .. } => self.open[side.index()] = None,
+            HandEvent::IuResumed | HandEvent::IuUnmeasured(_) | HandEvent::Eru { .. } => {}
         }
     }
 }

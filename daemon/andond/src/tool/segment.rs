@@ -6,7 +6,7 @@ use std::slice::from_ref;
 use andon_core::config::Method;
 use andon_core::couple::{Couple, Encoder, Unseen};
 use andon_core::input::Side;
-use andon_core::segment::{Event, JobSegmenter};
+use andon_core::segment::{Event, HandEvent, JobSegmenter};
 use andon_host::atomic;
 use andon_host::config::Config;
 use andon_host::exit::Code;
@@ -128,26 +128,19 @@ fn segment(
 
 fn line(event: Event) -> Option<EventLine> {
     Some(match event {
-        Event::Eru { side, context, began_ns, ended_ns, .. } => {
+        Event::Hand(side, HandEvent::Eru { context, began_ns, ended_ns, .. }) => {
             EventLine::new("eru", side, context.0, began_ns, ended_ns)
         }
-        Event::IuEnded { side, iu } => EventLine {
+        Event::Hand(side, HandEvent::IuEnded(iu)) => EventLine {
             measured: Some(f64::from(iu.measured) / f64::from(iu.frames.max(1))),
             seen: Some(f64::from(iu.seen) / f64::from(iu.frames.max(1))),
             ..EventLine::new("iu", side, iu.context.0, iu.began_ns, iu.ended_ns)
         },
-        Event::ActivityEnded { side, context, began_ns, ended_ns } => {
+        Event::Hand(side, HandEvent::ActivityEnded { context, began_ns, ended_ns }) => {
             EventLine::new("activity", side, context.0, began_ns, ended_ns)
         }
         Event::JobEnded { began_ns, ended_ns } => EventLine::job(began_ns, ended_ns),
-        Event::JobBegan { .. }
-        | Event::ActivityBegan { .. }
-        | Event::IuBegan { .. }
-        | Event::IuResumed { .. }
-        | Event::IuFrame { .. }
-        | Event::IuUnmeasured { .. } => {
-            return None;
-        }
+        Event::JobBegan { .. } | Event::Hand(..) => return None,
     })
 }
 

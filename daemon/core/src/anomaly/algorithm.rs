@@ -9,12 +9,28 @@ use super::occlusion::{Cause, OcclusionLog, too_few_frames};
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Couple, Motion, Unseen};
-use crate::segment::{Iu, Measures};
+use crate::segment::{HandEvent, Iu, Measures};
 use crate::set::ActivitySet;
 use crate::verdict::{Outcome, Reason};
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
-    pub(super) fn begin_activity(&mut self, context: Context, began_ns: u64, progress: &mut Progress<'a>) {
+    /// Takes an event of the segmentation of this hand, which comes from `couple` or from a command.
+    pub(super) fn take(&mut self, event: HandEvent, couple: Option<&Couple>, progress: &mut Progress<'a>) {
+        match (event, couple) {
+            (HandEvent::ActivityBegan { context, began_ns }, _) => {
+                self.begin_activity(context, began_ns, progress);
+            }
+            (HandEvent::IuBegan { .. }, Some(couple)) => self.begin_iu(couple, progress),
+            (HandEvent::IuResumed, _) => self.resume_iu(),
+            (HandEvent::IuFrame { motion, .. }, _) => self.push_motion(&motion, progress),
+            (HandEvent::IuUnmeasured(_), _) => self.skip_motion(),
+            (HandEvent::IuEnded(iu), _) => self.end_iu(&iu, couple.map(|couple| couple.context), progress),
+            (HandEvent::ActivityEnded { .. }, _) => self.end_activity(progress),
+            (HandEvent::IuBegan { .. }, None) | (HandEvent::Eru { .. }, _) => {}
+        }
+    }
+
+    fn begin_activity(&mut self, context: Context, began_ns: u64, progress: &mut Progress<'a>) {
         if progress.begins_undone(context) {
             self.doubt.forget_remainder();
         }
@@ -67,7 +83,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     }
 
     /// An IU begins with `couple`. Everything that its context alone decides is decided at once, or once it is certain.
-    pub(super) fn begin_iu(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
+    fn begin_iu(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         self.end_interrupted(progress);
         let Some(activity) = &mut self.activity else { return };
         let context = couple.context;
@@ -209,14 +225,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     }
 
     /// Takes the next filtered motion of the open IU.
-    pub(super) fn push_motion(&mut self, motion: &Motion, progress: &mut Progress<'a>) {
+    fn push_motion(&mut self, motion: &Motion, progress: &mut Progress<'a>) {
         if self.iu.is_some_and(|iu| !iu.is_concluded) && self.comparisons.append(motion).is_err() {
             self.conclude_unjudged(Reason::Overload, progress);
         }
     }
 
     /// The motion of the next frames of the open IU is not known.
-    pub(super) fn skip_motion(&mut self) {
+    fn skip_motion(&mut self) {
         if self.iu.is_some_and(|iu| !iu.is_concluded) {
             self.comparisons.append_unknown();
         }
@@ -270,7 +286,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     }
 
     /// The IU has ended, and the hand goes on in the `next` context, if any comes.
-    pub(super) fn end_iu(&mut self, iu: &Iu, next: Option<Context>, progress: &mut Progress<'a>) {
+    fn end_iu(&mut self, iu: &Iu, next: Option<Context>, progress: &mut Progress<'a>) {
         if let Some(activity) = &mut self.activity
             && iu.context.is_touch()
         {

@@ -74,7 +74,7 @@ use crate::couple::{Context, Couple, Couples, Unseen, Visibility};
 use crate::dtw::OnlineDtw;
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
-use crate::segment::{self, JobSegmenter, Start};
+use crate::segment::{self, HandEvent, JobSegmenter, Start};
 use crate::verdict::Verdict;
 use hand::HandJudge;
 use occlusion::OcclusionLog;
@@ -289,9 +289,9 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         let is_next_begun = ends_job && couples.hands.iter().any(|couple| segmenter.begins_activity(couple));
         segmenter.step(couples, &mut |event| {
             if is_next_begun {
-                bench.break_off_held(&event, couples);
+                bench.break_off_held(event, couples);
             }
-            bench.take(&event, Some(couples));
+            bench.take(event, Some(couples));
         });
         segmenter.take_unseen(false).into_iter().for_each(|began_ns| bench.conclude_unseen(began_ns));
         let Bench { hands, progress } = bench;
@@ -357,7 +357,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         // What a hand does with the same part afterwards is not the remainder of what it did before.
         let is_idle = |couple: &Couple| couple.context == Context::IDLE && !couple.lacks(Unseen::CHANGE);
         if bench.progress.is_reset() && couples.hands.iter().all(is_idle) {
-            segmenter.finish(&mut |event| bench.take(&event, None));
+            segmenter.finish(&mut |event| bench.take(event, None));
         }
     }
 
@@ -376,7 +376,9 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         for couple in &couples.hands {
             if segmenter.begins_activity(couple) {
                 let hand = segmenter.hand(couple.side);
-                hand.finish(couples.captured_ns, &mut |event| bench.take(&event, Some(couples)));
+                hand.finish(couples.captured_ns, &mut |event| {
+                    bench.take(segment::Event::Hand(couple.side, event), Some(couples));
+                });
             }
         }
         let progress = &bench.progress;
@@ -390,7 +392,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     pub fn start(&mut self, emit: &mut impl FnMut(Event)) {
         let Self { segmenter, bench, .. } = self;
         self.newest = None;
-        segmenter.start(&mut |event| bench.take(&event, None));
+        segmenter.start(&mut |event| bench.take(event, None));
         bench.hands.iter_mut().for_each(|hand| hand.doubt.begin());
         self.tell(emit);
     }
@@ -410,7 +412,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     /// Ends the open job on command or at the end of a recording, with its verdicts.
     pub fn finish(&mut self, emit: &mut impl FnMut(Event)) {
         let Self { segmenter, bench, .. } = self;
-        segmenter.finish(&mut |event| bench.take(&event, None));
+        segmenter.finish(&mut |event| bench.take(event, None));
         segmenter.take_unseen(true).into_iter().for_each(|began_ns| bench.conclude_unseen(began_ns));
         self.tell(emit);
     }
@@ -434,8 +436,8 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
 
     /// A hand has begun the next piece, and the IU of the other one ends with the job. While that hand keeps what it acts with, or a release state
     /// lasts, it is still at it.
-    fn break_off_held(&mut self, event: &segment::Event, couples: &Couples) {
-        let segment::Event::IuEnded { side, iu } = event else { return };
+    fn break_off_held(&mut self, event: segment::Event, couples: &Couples) {
+        let segment::Event::Hand(side, HandEvent::IuEnded(iu)) = event else { return };
         let next = couples.hands[side.index()].context;
         let keeps_part = next.is_touch() && next.0[..2] == iu.context.0[..2];
         if keeps_part || next == iu.context {
@@ -444,9 +446,9 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
     }
 
     /// Takes an event of the segmentation, which comes from `couples` or from a command.
-    fn take(&mut self, event: &segment::Event, couples: Option<&Couples>) {
+    fn take(&mut self, event: segment::Event, couples: Option<&Couples>) {
         let Self { hands, progress } = self;
-        match *event {
+        match event {
             segment::Event::JobBegan { began_ns, start, unseen_since_ns } => {
                 let mut touches = couples.iter().flat_map(|couples| &couples.hands);
                 if touches.any(|couple| hands[couple.side.index()].doubt.may_go_on_touching(couple.context)) {
@@ -461,28 +463,15 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
                     }
                 }
             }
-            segment::Event::ActivityBegan { side, context, began_ns } => {
-                // What the other hand goes on with is not put right.
-                let other = &mut hands[side.other().index()];
-                other.last_done = other.last_done.filter(|last| last.context.0[1] != context.0[1]);
-                hands[side.index()].begin_activity(context, began_ns, progress);
-            }
-            segment::Event::IuBegan { side, .. } => {
-                if let Some(couples) = couples {
-                    hands[side.index()].begin_iu(&couples.hands[side.index()], progress);
+            segment::Event::Hand(side, event) => {
+                if let HandEvent::ActivityBegan { context, .. } = event {
+                    // What the other hand goes on with is not put right.
+                    let other = &mut hands[side.other().index()];
+                    other.last_done = other.last_done.filter(|last| last.context.0[1] != context.0[1]);
                 }
+                let couple = couples.map(|couples| &couples.hands[side.index()]);
+                hands[side.index()].take(event, couple, progress);
             }
-            segment::Event::IuResumed { side } => hands[side.index()].resume_iu(),
-            segment::Event::IuFrame { side, motion, .. } => {
-                hands[side.index()].push_motion(&motion, progress);
-            }
-            segment::Event::IuUnmeasured { side, .. } => hands[side.index()].skip_motion(),
-            segment::Event::Eru { .. } => {}
-            segment::Event::IuEnded { side, iu } => {
-                let next = couples.map(|couples| couples.hands[side.index()].context);
-                hands[side.index()].end_iu(&iu, next, progress);
-            }
-            segment::Event::ActivityEnded { side, .. } => hands[side.index()].end_activity(progress),
             segment::Event::JobEnded { .. } => {
                 // Whoever moved things unseen before a pause may go on unseen after it.
                 if couples.is_some_and(|couples| couples.hands.iter().all(|couple| !couple.is_hand_seen())) {

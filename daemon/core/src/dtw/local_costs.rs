@@ -1,8 +1,7 @@
 //! The local costs and the fastest way to sum them on this processor.
 
-use super::batch::Scratch;
 use super::cost::{IntegerCosts, UNREACHED};
-use super::row::slot;
+use super::scratch::{Scratch, slot};
 use super::simd::Simd;
 use super::symbols::{BLOCK, Symbols};
 use crate::couple::Motion;
@@ -44,13 +43,10 @@ impl LocalCosts {
 
     /// Computes the next row in place by the fastest path and returns its minimum. It began with this reference.
     pub(super) fn advance(&self, scratch: &mut Scratch, frame: &Motion, reference: &[Motion]) -> i32 {
-        let Scratch { row, symbols } = scratch;
-        if let Some(simd) = &self.simd
-            && let Some(min) = simd.advance(frame, symbols, row)
-        {
+        if let Some(min) = self.simd.as_ref().and_then(|simd| simd.advance(frame, scratch)) {
             return min;
         }
-        let mut diagonal = core::mem::replace(&mut row.border, UNREACHED);
+        let mut diagonal = core::mem::replace(&mut scratch.border, UNREACHED);
         let (mut left, mut min) = (UNREACHED, UNREACHED);
         // A motion lasts for some frames, and each of them costs the same.
         let (mut before, mut cost) = (None, 0);
@@ -58,7 +54,7 @@ impl LocalCosts {
             if before != Some(motion) {
                 (before, cost) = (Some(motion), self.integers.between(frame, motion));
             }
-            let cell = &mut row.blocks[index / BLOCK][slot(index)];
+            let cell = &mut scratch.blocks[index / BLOCK][slot(index)];
             left = diagonal.min(*cell).min(left) + cost;
             diagonal = core::mem::replace(cell, left);
             min = min.min(left);

@@ -4,19 +4,18 @@
 //! the sum. [`OnlineDtw`] compares a growing sequence with one reference, frame by frame; [`distance`] compares two whole
 //! sequences; both return the same bits. [`path`] returns the warping path as well. All memory is fixed or the caller's.
 
-mod batch;
 mod cost;
 mod local_costs;
 mod online;
 mod path;
-mod row;
+mod scratch;
 mod simd;
 mod symbols;
 
-pub use batch::{Scratch, distance, distance_within};
 pub use local_costs::LocalCosts;
 pub use online::OnlineDtw;
 pub use path::{Cells, path, path_memory};
+pub use scratch::{Scratch, distance, distance_within};
 
 use crate::capacity::IU_FRAMES;
 use crate::couple::Motion;

@@ -1,8 +1,8 @@
 //! One reference, frame by frame.
 
-use super::batch::Scratch;
 use super::cost::ORIGIN;
 use super::local_costs::LocalCosts;
+use super::scratch::Scratch;
 use super::{Refused, check};
 use crate::capacity::IU_FRAMES;
 use crate::couple::Motion;
@@ -27,7 +27,7 @@ impl<'a> OnlineDtw<'a> {
     /// If the reference is empty or longer than [`IU_FRAMES`].
     pub fn new(costs: &LocalCosts, reference: &'a [Motion]) -> Result<Self, Refused> {
         let mut online =
-            Self { costs: costs.clone(), reference, scratch: Scratch::new(), frames: 0, min: ORIGIN };
+            Self { costs: costs.clone(), reference, scratch: Scratch::default(), frames: 0, min: ORIGIN };
         online.begin(reference)?;
         Ok(online)
     }
@@ -61,13 +61,13 @@ impl<'a> OnlineDtw<'a> {
     /// Appends any number of frames of which nothing is known: each costs nothing, whatever frames of the reference it is paired with.
     /// The distance then is the least that any motion in them could have led to.
     pub fn append_unknown(&mut self) {
-        self.scratch.row.advance_free(self.reference.len());
+        self.scratch.advance_free(self.reference.len());
     }
 
     /// The distance of all appended frames to the reference, as [`distance`](super::distance) in every bit; `None` before the first.
     pub fn distance(&self) -> Option<f64> {
         (self.frames > 0)
-            .then(|| self.costs.integers.distance_of(self.scratch.row.cell(self.reference.len() - 1)))
+            .then(|| self.costs.integers.distance_of(self.scratch.cell(self.reference.len() - 1)))
     }
 
     /// A lower bound of the distance, whatever frames are appended. It comes from the minimum of the newest row, which never falls, because every

@@ -1,9 +1,8 @@
 //! The warping path, for barycentres.
 
-use super::batch::Scratch;
 use super::cost::UNREACHED;
 use super::local_costs::LocalCosts;
-use super::row::slot;
+use super::scratch::{Scratch, slot};
 use super::symbols::BLOCK;
 use super::{Refused, check};
 use crate::couple::Motion;
@@ -37,9 +36,9 @@ pub fn path<'m>(
     scratch.begin(costs, b);
     for (frame, blocks) in a.iter().zip(blocks.chunks_exact_mut(per_row)) {
         costs.advance(scratch, frame, b);
-        blocks.copy_from_slice(&scratch.row.blocks[..per_row]);
+        blocks.copy_from_slice(&scratch.blocks[..per_row]);
     }
-    let distance = costs.integers.distance_of(scratch.row.cell(b.len() - 1));
+    let distance = costs.integers.distance_of(scratch.cell(b.len() - 1));
     // The whole matrix; a cell outside it is reached by no path.
     let cell = move |i: Option<usize>, j: Option<usize>| {
         i.zip(j).map_or(UNREACHED, |(i, j)| blocks[i * per_row + j / BLOCK][slot(j)])

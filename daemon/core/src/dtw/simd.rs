@@ -7,8 +7,8 @@
 //! compiled without the vector instructions and called for each of them.
 
 use super::cost::{IntegerCosts, UNREACHED};
-use super::row::{LANES, Row};
-use super::symbols::{BLOCK, DIGIT, Digits, PLANES, Symbols, Tables};
+use super::scratch::{LANES, Scratch};
+use super::symbols::{BLOCK, DIGIT, Digits, PLANES, Tables};
 use crate::couple::Motion;
 use core::arch::x86_64::__m256i;
 use pulp::NullaryFnOnce;
@@ -29,10 +29,10 @@ impl Simd {
     }
 
     /// Computes the next row in place and returns its minimum. `None` if the reference or the frame has no symbols, and then nothing has changed.
-    pub(super) fn advance(&self, frame: &Motion, reference: &Symbols, row: &mut Row) -> Option<i32> {
+    pub(super) fn advance(&self, frame: &Motion, scratch: &mut Scratch) -> Option<i32> {
         let (v3, tables) = (self.v3, &self.tables);
-        let frame = tables.symbols(frame).filter(|_| reference.length > 0)?;
-        Some(v3.vectorize(Advance { v3, tables, frame, reference, row }))
+        let frame = tables.symbols(frame).filter(|_| scratch.symbols.length > 0)?;
+        Some(v3.vectorize(Advance { v3, tables, frame, scratch }))
     }
 }
 
@@ -105,8 +105,7 @@ struct Advance<'a> {
     v3: V3,
     tables: &'a Tables,
     frame: [u8; PLANES],
-    reference: &'a Symbols,
-    row: &'a mut Row,
+    scratch: &'a mut Scratch,
 }
 
 impl Advance<'_> {
@@ -116,7 +115,7 @@ impl Advance<'_> {
         let (avx2, mut sums) = (self.v3.avx2, [self.v3.avx._mm256_setzero_si256(); 2]);
         #[allow(clippy::needless_range_loop, reason = "zipped iterators are not unrolled: twice as slow")]
         for plane in 0..PLANES {
-            let symbols = self.reference.planes[plane].as_chunks::<BLOCK>().0[block];
+            let symbols = self.scratch.symbols.planes[plane].as_chunks::<BLOCK>().0[block];
             let [low, high] = look_up(self.v3, of_frame[plane], cast(symbols));
             sums = [avx2._mm256_add_epi8(sums[0], low), avx2._mm256_add_epi8(sums[1], high)];
         }
@@ -133,16 +132,16 @@ impl NullaryFnOnce for Advance<'_> {
     /// block.
     #[inline(always)]
     fn call(self) -> i32 {
-        let (v3, avx, avx2, length) = (self.v3, self.v3.avx, self.v3.avx2, self.reference.length);
+        let (v3, avx, avx2, length) = (self.v3, self.v3.avx, self.v3.avx2, self.scratch.symbols.length);
         let [ordered, directions @ ..] = self.frame.map(usize::from);
         let [a, b, c, d] = directions.map(|direction| &self.tables.direction[direction]);
         let of_frame = [&self.tables.ordered[ordered], a, b, c, d];
         let unreached = avx._mm256_set1_epi32(UNREACHED);
-        let mut corner = avx._mm256_set1_epi32(core::mem::replace(&mut self.row.border, UNREACHED));
+        let mut corner = avx._mm256_set1_epi32(core::mem::replace(&mut self.scratch.border, UNREACHED));
         let (mut carry, mut least) = (unreached, unreached);
         for block in 0..length.div_ceil(BLOCK) {
             let cost = self.costs(&of_frame, block);
-            let cells = self.row.blocks[block].as_chunks_mut::<LANES>().0;
+            let cells = self.scratch.blocks[block].as_chunks_mut::<LANES>().0;
 
             // From above, and along the four cells of a lane. `from_left` is the cost of a path that enters the lane from the left.
             let up: [__m256i; BLOCK / LANES] =

@@ -3,7 +3,7 @@
 use super::filter::OpeningClosing;
 use super::measures::{Measures, Meter};
 use super::way::Way;
-use super::{Event, Iu};
+use super::{HandEvent, Iu};
 use crate::capacity::{ACTIVITIES, FILTER_FRAMES};
 use crate::config::{Method, MethodFault};
 use crate::couple::{Context, Couple, Motion, Unseen, Visibility, Waiting};
@@ -92,7 +92,7 @@ impl Segmenter {
     }
 
     /// Takes the next couple of this hand.
-    pub fn step(&mut self, couple: &Couple, emit: &mut impl FnMut(Event)) {
+    pub fn step(&mut self, couple: &Couple, emit: &mut impl FnMut(HandEvent)) {
         let now_ns = couple.captured_ns;
         if couple.context != self.context {
             self.end_iu(now_ns, emit);
@@ -160,7 +160,7 @@ impl Segmenter {
     }
 
     /// Ends the open IU and the open activity at `ended_ns`. A touch that continues begins nothing until the hand has let go.
-    pub fn finish(&mut self, ended_ns: u64, emit: &mut impl FnMut(Event)) {
+    pub fn finish(&mut self, ended_ns: u64, emit: &mut impl FnMut(HandEvent)) {
         self.end_iu(ended_ns, emit);
         self.end_activity(emit);
     }
@@ -184,53 +184,51 @@ impl Segmenter {
         }
     }
 
-    fn begin_activity(&mut self, couple: &Couple, emit: &mut impl FnMut(Event)) {
+    fn begin_activity(&mut self, couple: &Couple, emit: &mut impl FnMut(HandEvent)) {
         let (context, began_ns) = (couple.context, couple.captured_ns);
         self.activity = Some(OpenActivity { context, began_ns, ended_ns: began_ns });
         self.continuations = None;
         self.interrupted = None;
-        emit(Event::ActivityBegan { side: self.side, context, began_ns });
+        emit(HandEvent::ActivityBegan { context, began_ns });
     }
 
-    fn end_activity(&mut self, emit: &mut impl FnMut(Event)) {
+    fn end_activity(&mut self, emit: &mut impl FnMut(HandEvent)) {
         if let Some(OpenActivity { context, began_ns, ended_ns, .. }) = self.activity.take() {
-            emit(Event::ActivityEnded { side: self.side, context, began_ns, ended_ns });
+            emit(HandEvent::ActivityEnded { context, began_ns, ended_ns });
         }
     }
 
-    fn begin_iu(&mut self, couple: &Couple, emit: &mut impl FnMut(Event)) {
+    fn begin_iu(&mut self, couple: &Couple, emit: &mut impl FnMut(HandEvent)) {
         let (context, began_ns) = (couple.context, couple.captured_ns);
         // The activity continues, so whether it matches is open again.
         self.continuations = None;
         self.ended = None;
         self.iu = self.interrupted.take().filter(|iu| iu.so_far.context == context);
-        let side = self.side;
         if self.iu.is_some() {
-            emit(Event::IuResumed { side });
+            emit(HandEvent::IuResumed);
         } else {
             let so_far = Iu { context, began_ns, is_in_sight: true, ..Iu::default() };
             self.iu = Some(OpenIu { so_far, meter: Meter::default(), eru: None, unmeasured: 0 });
-            emit(Event::IuBegan { side, context, began_ns });
+            emit(HandEvent::IuBegan { context, began_ns });
         }
     }
 
-    fn end_iu(&mut self, ended_ns: u64, emit: &mut impl FnMut(Event)) {
+    fn end_iu(&mut self, ended_ns: u64, emit: &mut impl FnMut(HandEvent)) {
         while let Some(motion) = self.filter.flush() {
             self.take_filtered(motion, emit);
         }
         self.filter.clear();
-        let side = self.side;
         if let Some(OpenIu { so_far, meter, eru, unmeasured }) = self.iu.take() {
             self.ended = Some(OpenIu { so_far, meter, eru: None, unmeasured: 0 });
             let context = so_far.context;
             if unmeasured > 0 {
-                emit(Event::IuUnmeasured { side, frames: unmeasured });
+                emit(HandEvent::IuUnmeasured(unmeasured));
             }
             if let Some(Eru { motion, began_ns }) = eru {
-                emit(Event::Eru { side, context, motion, began_ns, ended_ns });
+                emit(HandEvent::Eru { context, motion, began_ns, ended_ns });
             }
             let iu = Iu { ended_ns, measures: meter.measures(&self.ways[0]), ..so_far };
-            emit(Event::IuEnded { side, iu });
+            emit(HandEvent::IuEnded(iu));
             if let Some(activity) = &mut self.activity {
                 activity.ended_ns = ended_ns;
             }
@@ -238,20 +236,20 @@ impl Segmenter {
     }
 
     /// Takes the next frame that leaves the filter.
-    fn take_filtered(&mut self, motion: Motion, emit: &mut impl FnMut(Event)) {
+    fn take_filtered(&mut self, motion: Motion, emit: &mut impl FnMut(HandEvent)) {
         let (Some(iu), Some((began_ns, unmeasured))) = (&mut self.iu, self.in_filter.pop_front()) else {
             return;
         };
-        let (side, context) = (self.side, iu.so_far.context);
+        let context = iu.so_far.context;
         if unmeasured > 0 {
-            emit(Event::IuUnmeasured { side, frames: unmeasured });
+            emit(HandEvent::IuUnmeasured(unmeasured));
         }
         if iu.eru.is_none_or(|eru| eru.motion != motion) {
             if let Some(eru) = iu.eru.replace(Eru { motion, began_ns }) {
                 let (motion, ended_ns) = (eru.motion, began_ns);
-                emit(Event::Eru { side, context, motion, began_ns: eru.began_ns, ended_ns });
+                emit(HandEvent::Eru { context, motion, began_ns: eru.began_ns, ended_ns });
             }
         }
-        emit(Event::IuFrame { side, motion, captured_ns: began_ns });
+        emit(HandEvent::IuFrame { motion, captured_ns: began_ns });
     }
 }

@@ -101,7 +101,7 @@ impl JobSegmenter {
         }
         self.newest_ns = now_ns;
         for (hand, couple) in self.hands.iter_mut().zip(&couples.hands) {
-            hand.step(couple, emit);
+            hand.step(couple, &mut |event| emit(Event::Hand(couple.side, event)));
         }
         if let Some(job) = &mut self.job {
             job.touched |= touches;
@@ -209,7 +209,9 @@ impl JobSegmenter {
     }
 
     fn end(&mut self, now_ns: u64, emit: &mut impl FnMut(Event)) {
-        self.hands.iter_mut().for_each(|hand| hand.finish(now_ns, emit));
+        for (hand, side) in self.hands.iter_mut().zip(Side::ALL) {
+            hand.finish(now_ns, &mut |event| emit(Event::Hand(side, event)));
+        }
         if let Some(OpenJob { began_ns, ended_ns, .. }) = self.job.take() {
             // A job that began on command may end before the frame that it was to begin with.
             emit(Event::JobEnded { began_ns, ended_ns: ended_ns.min(now_ns).max(began_ns) });

@@ -61,10 +61,22 @@ pub enum Event {
         /// Since when an unseen hand had worked before, if nobody has been told, at this job or at a piece before it.
         unseen_since_ns: Option<u64>,
     },
+    /// Something happened to what this hand does.
+    Hand(Side, HandEvent),
+    /// A job ended.
+    JobEnded {
+        /// When, in nanoseconds.
+        began_ns: u64,
+        /// When its last IU ended, in nanoseconds.
+        ended_ns: u64,
+    },
+}
+
+/// An event of the segmentation of one hand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum HandEvent {
     /// An activity began: the hand touches another object.
     ActivityBegan {
-        /// Whose hand.
-        side: Side,
         /// The context of its first IU.
         context: Context,
         /// When, in nanoseconds.
@@ -72,38 +84,24 @@ pub enum Event {
     },
     /// An IU began.
     IuBegan {
-        /// Whose hand.
-        side: Side,
         /// Its context.
         context: Context,
         /// When, in nanoseconds.
         began_ns: u64,
     },
     /// The IU that was interrupted last goes on: the hand has taken again what it had let go of.
-    IuResumed {
-        /// Whose hand.
-        side: Side,
-    },
+    IuResumed,
     /// The next frame of the IU has left the opening-closing filter, which delays it by some frames.
     IuFrame {
-        /// Whose hand.
-        side: Side,
         /// Its filtered motion.
         motion: Motion,
         /// Its time, in nanoseconds.
         captured_ns: u64,
     },
-    /// The next frames of the IU have no motion, because it could not be measured.
-    IuUnmeasured {
-        /// Whose hand.
-        side: Side,
-        /// How many frames of the grid.
-        frames: u32,
-    },
+    /// As many frames of the IU come next of which no motion could be measured.
+    IuUnmeasured(u32),
     /// An ERU ended: `X`, after the filter, was constant in it.
     Eru {
-        /// Whose hand.
-        side: Side,
         /// Its context.
         context: Context,
         /// Its motion.
@@ -114,26 +112,12 @@ pub enum Event {
         ended_ns: u64,
     },
     /// An IU ended.
-    IuEnded {
-        /// Whose hand.
-        side: Side,
-        /// The IU.
-        iu: Iu,
-    },
+    IuEnded(Iu),
     /// An activity ended.
     ActivityEnded {
-        /// Whose hand.
-        side: Side,
         /// The context of its first IU.
         context: Context,
         /// When its first IU began, in nanoseconds.
-        began_ns: u64,
-        /// When its last IU ended, in nanoseconds.
-        ended_ns: u64,
-    },
-    /// A job ended.
-    JobEnded {
-        /// When, in nanoseconds.
         began_ns: u64,
         /// When its last IU ended, in nanoseconds.
         ended_ns: u64,

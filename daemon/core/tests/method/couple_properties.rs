@@ -6,7 +6,7 @@ use andon_core::config::{Contact, Method};
 use andon_core::couple::{Context, Couples, Encoder, Refused, Unseen};
 use andon_core::input::{Frame, Hand, Object, Point, Side};
 use andon_core::object::ObjectShape;
-use andon_core::segment::{Event, JobSegmenter};
+use andon_core::segment::{Event, HandEvent, JobSegmenter};
 use proptest::prelude::*;
 
 const TOOL: u16 = 5;
@@ -190,12 +190,12 @@ proptest! {
         let mut tiles = Vec::new();
         for event in events {
             match event {
-                Event::IuFrame { captured_ns, .. } => {
+                Event::Hand(_, HandEvent::IuFrame { captured_ns, .. }) => {
                     prop_assert_eq!(captured_ns % PERIOD_NS, 0);
                     frames += 1;
                 }
-                Event::Eru { began_ns, ended_ns, .. } => erus.push((began_ns, ended_ns)),
-                Event::IuEnded { iu, .. } => {
+                Event::Hand(_, HandEvent::Eru { began_ns, ended_ns, .. }) => erus.push((began_ns, ended_ns)),
+                Event::Hand(_, HandEvent::IuEnded(iu)) => {
                     prop_assert_eq!((iu.began_ns, iu.ended_ns), (erus[0].0, erus[erus.len() - 1].1));
                     prop_assert!(erus.windows(2).all(|pair| pair[0].1 == pair[1].0));
                     prop_assert_eq!(iu.frames, frames);

@@ -11,7 +11,7 @@ use andon_core::config::Method;
 use andon_core::couple::Encoder;
 use andon_core::input::{Frame, Side};
 use andon_core::job::{Job, LocalCost, MeasureBounds, NominalActivity, NominalIu};
-use andon_core::segment::{Event, JobSegmenter, Measures};
+use andon_core::segment::{Event, HandEvent, JobSegmenter, Measures};
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use proptest::prelude::*;
 use std::sync::LazyLock;
@@ -45,9 +45,9 @@ static JOB: LazyLock<Job<'static>> = LazyLock::new(|| {
     let mut activities: Vec<Vec<NominalIu<'static>>> = Vec::new();
     let mut motions = Vec::new();
     let mut take = |event: Event| match event {
-        Event::ActivityBegan { .. } => activities.push(Vec::new()),
-        Event::IuFrame { motion, .. } => motions.push(motion),
-        Event::IuEnded { iu, .. } => activities.last_mut().unwrap().push(NominalIu {
+        Event::Hand(_, HandEvent::ActivityBegan { .. }) => activities.push(Vec::new()),
+        Event::Hand(_, HandEvent::IuFrame { motion, .. }) => motions.push(motion),
+        Event::Hand(_, HandEvent::IuEnded(iu)) => activities.last_mut().unwrap().push(NominalIu {
             context: iu.context,
             reference: std::mem::take(&mut motions).leak(),
             threshold: 8.0,

@@ -100,7 +100,7 @@ fn online(costs: &LocalCosts, frames: &[Motion], reference: &[Motion]) -> (f64, 
 }
 
 fn batch(costs: &LocalCosts, a: &[Motion], b: &[Motion]) -> f64 {
-    distance(costs, a, b, &mut Scratch::new()).unwrap()
+    distance(costs, a, b, &mut Scratch::default()).unwrap()
 }
 
 /// Checks everything that must hold for two sequences with any features.
@@ -117,7 +117,7 @@ fn check_all_ways(local: LocalCost, a: &[Motion], b: &[Motion]) {
     assert!(bounds.is_sorted(), "the minimum of the newest row never falls");
     assert!(bounds[a.len() - 1] <= whole);
 
-    let mut scratch = Scratch::new();
+    let mut scratch = Scratch::default();
     let mut within = |bound| distance_within(&costs, a, b, bound, &mut scratch).unwrap();
     assert_eq!(within(whole), Some(whole));
     assert_eq!(within(f64::INFINITY), Some(whole));
@@ -183,7 +183,7 @@ proptest! {
         for local in [LocalCost::Ordinal, LocalCost::Circular { bins: 8 }] {
             let costs = LocalCosts::new(local);
             let mut memory = vec![[0; 32]; path_memory(a.len(), b.len())];
-            let (distance, path) = path(&costs, &a, &b, &mut memory, &mut Scratch::new()).unwrap();
+            let (distance, path) = path(&costs, &a, &b, &mut memory, &mut Scratch::default()).unwrap();
             let pairs: Vec<_> = path.collect();
             prop_assert_eq!(pairs[0], (a.len() - 1, b.len() - 1));
             prop_assert_eq!(*pairs.last().unwrap(), (0, 0));
@@ -259,7 +259,7 @@ fn sequences_and_memory_of_unusable_length_are_refused() {
     let long = vec![Motion::default(); IU_FRAMES + 1];
     let (one, full) = (&long[..1], &long[..IU_FRAMES]);
     let too_long = Refused::TooLong { frames: IU_FRAMES + 1 };
-    let mut scratch = Scratch::new();
+    let mut scratch = Scratch::default();
 
     assert_eq!(distance(&costs, &[], one, &mut scratch), Err(Refused::Empty));
     assert_eq!(distance(&costs, one, &long, &mut scratch), Err(too_long));

@@ -25,7 +25,7 @@ fn assert_near(got: f64, golden: &Value, relative: f64) {
 /// The distance, which must be the same online.
 fn both_ways(cost: LocalCost, a: &[Motion], b: &[Motion]) -> f64 {
     let costs = LocalCosts::new(cost);
-    let whole = distance(&costs, a, b, &mut Scratch::new()).unwrap();
+    let whole = distance(&costs, a, b, &mut Scratch::default()).unwrap();
     let mut online = OnlineDtw::new(&costs, b).unwrap();
     a.iter().for_each(|frame| online.append(frame).unwrap());
     assert_eq!(online.distance(), Some(whole));
@@ -40,7 +40,8 @@ fn ordinal_distances_and_paths_are_those_of_dtaidistance() {
 
         let costs = LocalCosts::new(LocalCost::Ordinal);
         let mut memory = vec![[0; 32]; path_memory(a.len(), b.len())];
-        let mut pairs: Vec<_> = path(&costs, &a, &b, &mut memory, &mut Scratch::new()).unwrap().1.collect();
+        let mut pairs: Vec<_> =
+            path(&costs, &a, &b, &mut memory, &mut Scratch::default()).unwrap().1.collect();
         pairs.reverse();
         assert_eq!(pairs, from_value::<Vec<(usize, usize)>>(vector["path"].clone()).unwrap());
     }

@@ -8,7 +8,7 @@ use crate::common::seed::{drawn_seeds, known_and_drawn_seeds};
 use andon_core::config::Method;
 use andon_core::couple::{Couples, Unseen};
 use andon_core::input::{Frame, Side};
-use andon_core::segment::{Event, Segmenter};
+use andon_core::segment::{HandEvent, Segmenter};
 use andon_rate::Rate;
 
 const TOOL: u16 = 5;
@@ -226,7 +226,7 @@ fn reversals(couples: &[Couples]) -> Vec<u32> {
     let mut found = Vec::new();
     for couples in couples {
         segmenter.step(&couples.hands[0], &mut |event| {
-            if let Event::IuEnded { iu, .. } = event {
+            if let HandEvent::IuEnded(iu) = event {
                 found.push(iu.measures.reversals);
             }
         });

@@ -15,7 +15,7 @@ use andon_core::config::Method;
 use andon_core::couple::{Couple, Couples};
 use andon_core::input::{Point, Side};
 use andon_core::job::{Job, MeasureBounds, NominalActivity, NominalIu};
-use andon_core::segment::{Event, Iu, Measures, Segmenter};
+use andon_core::segment::{HandEvent, Iu, Measures, Segmenter};
 use andon_core::verdict::Outcome;
 use andon_rate::Rate;
 use proptest::prelude::*;
@@ -55,8 +55,8 @@ fn couples(strokes: &[Stroke]) -> Vec<Couples> {
 fn ius(couples: &[Couples]) -> Vec<Iu> {
     let mut segmenter = Segmenter::new(Side::Right, &Method::default()).unwrap();
     let mut ius = Vec::new();
-    let mut take = |event: Event| {
-        if let Event::IuEnded { iu, .. } = event {
+    let mut take = |event: HandEvent| {
+        if let HandEvent::IuEnded(iu) = event {
             ius.push(iu);
         }
     };

@@ -6,7 +6,7 @@ use andon_core::config::Method;
 use andon_core::couple::{Context, Couple, Couples, Motion, Unseen, Visibility};
 use andon_core::input::{Point, Side};
 use andon_core::job::{Job, JobObject, LocalCost, MeasureBounds, NominalActivity, NominalIu, Shown};
-use andon_core::segment::{Event, Iu, Measures, Segmenter};
+use andon_core::segment::{HandEvent, Iu, Measures, Segmenter};
 use andon_core::set::{ActivitySet, ObjectSet};
 use andon_core::verdict::{Outcome, Reason, Verdict};
 
@@ -154,9 +154,9 @@ pub(crate) fn ius(side: Side, parts: &[Part]) -> Vec<(Iu, Vec<Motion>)> {
     let mut segmenter = Segmenter::new(side, &Method::default()).unwrap();
     let mut ius = Vec::new();
     let mut motions = Vec::new();
-    let mut take = |event: Event| match event {
-        Event::IuFrame { motion, .. } => motions.push(motion),
-        Event::IuEnded { iu, .. } => ius.push((iu, std::mem::take(&mut motions))),
+    let mut take = |event: HandEvent| match event {
+        HandEvent::IuFrame { motion, .. } => motions.push(motion),
+        HandEvent::IuEnded(iu) => ius.push((iu, std::mem::take(&mut motions))),
         _ => {}
     };
     let couples = couples_of(side, parts);
