@@ -105,6 +105,7 @@ impl Method {
     /// The first constant that is not.
     pub fn check(&self) -> Result<(), MethodFault> {
         let from_zero = |value: f32| (0.0..f32::INFINITY).contains(&value);
+        let [persist, filter] = [self.persist_frames, self.filter_frames].map(usize::from);
         let checks = [
             // 240 Hz is the fastest rate of the cameras and motion capture systems that fit a bench.
             ((1.0..=240.0).contains(&self.rate_hz), "rate_hz", "1 to 240"),
@@ -112,18 +113,10 @@ impl Method {
             ((4..=120).contains(&self.bins), "bins", "4 to 120"),
             (self.hand_contact.is_valid(), "hand_contact", "0 < on_m <= off_m, in metres"),
             (self.object_contact.is_valid(), "object_contact", "0 < on_m <= off_m, in metres"),
-            (
-                (1..=PERSIST_FRAMES).contains(&usize::from(self.persist_frames)),
-                "persist_frames",
-                "1 to 15 frames",
-            ),
+            ((1..=PERSIST_FRAMES).contains(&persist), "persist_frames", "1 to 15 frames"),
             (from_zero(self.rest_speed_m_s), "rest_speed_m_s", "0 or more, in m/s"),
             (from_zero(self.dead_band_m_s2), "dead_band_m_s2", "0 or more, in m/s²"),
-            (
-                self.filter_frames % 2 == 1 && usize::from(self.filter_frames) <= FILTER_FRAMES,
-                "filter_frames",
-                "odd, 1 to 31 frames",
-            ),
+            (filter % 2 == 1 && filter <= FILTER_FRAMES, "filter_frames", "odd, 1 to 31 frames"),
             // This also bounds how many couples one step may emit.
             (self.blind_ms <= 60_000, "blind_ms", "at most 60000 ms"),
             // Ten minutes, as in the configuration of a station: nobody waits longer for the end of a job.

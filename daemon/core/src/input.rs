@@ -34,10 +34,7 @@ impl Side {
 
     /// The index of this hand in [`ALL`](Self::ALL).
     pub fn index(self) -> usize {
-        match self {
-            Self::Right => 0,
-            Self::Left => 1,
-        }
+        self as usize - 1
     }
 
     /// `right` or `left`: how people, files and programs outside name this hand.

@@ -14,9 +14,8 @@ use crate::set::ActivitySet;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LocalCost {
     /// As in the paper (IV-A). Every feature is a number, divided by the length of its range so that all lie in `[0, 1]`. The cost is the squared
-    /// Euclidean distance. A direction is one of the N + 1 numbers 0 to N, the acceleration one of 3, joint motion one of 2. A direction that is one
-    /// bin off counts 1/N² of a joint motion that has ended. The opening-closing filter, which the paper applies after this, takes minima and maxima
-    /// only. So it makes no difference which of the two comes first.
+    /// Euclidean distance. A direction is one of the N + 1 numbers 0 to N, the acceleration one of 3, joint motion one of 2. The opening-closing filter,
+    /// which the paper applies after this, takes minima and maxima only, so that it makes no difference which comes first.
     Normalised {
         /// N, the number of direction bins around the circle.
         bins: u8,
@@ -212,9 +211,8 @@ pub struct Job<'a> {
     /// Maximum of [`slowdown_factor`], at least 1. A slower motion also has less acceleration and more rest, so that each of its frames is farther from
     /// the reference. 1 leaves the thresholds as they are, as in the paper.
     pub max_slowdown: f32,
-    /// Whether a frame [`at_rest`](Motion::at_rest) was put before and after each motion of a touch from which the references were learnt. It is then
-    /// put before and after each that is judged. A rest at either end of an IU costs nothing, but still counts as time. In the paper it costs as much
-    /// as any other motion.
+    /// Whether a frame [`at_rest`](Motion::at_rest) stands before and after each reference of a touch. It is then put before and after each motion that
+    /// is judged: a rest at either end of an IU costs nothing, but still counts as time. In the paper it costs as much as any other motion.
     pub has_free_ends: bool,
     /// The share of the frames of the grid that must have been captured during an IU for it to be judged, 0 to 1. With fewer, the motion that was
     /// shown would not be recognised. 0 asks for nothing.

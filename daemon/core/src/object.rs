@@ -11,8 +11,7 @@ use heapless::Vec;
 pub const REACH_M: f32 = 0.3;
 
 /// The width of a hand, in metres. Nobody holds an object farther from where others do, or from where the station says. A shorter path has no
-/// direction, and nobody notices a way that is less straight by this. At this lateral deviation, ways differ half as much as if people differed only
-/// in how much they go round. Halved or doubled, 6 or 2 of 975 runs of people are judged otherwise.
+/// direction, and nobody notices a way that is less straight by this. Halved or doubled, 6 or 2 of 975 runs of people are judged otherwise.
 pub const HAND_WIDTH_M: f32 = 0.1;
 
 /// What is known of an object before it is seen: its id and where it can be touched.
@@ -24,13 +23,13 @@ pub struct ObjectShape {
     pub interaction_points: Vec<Point, INTERACTION_POINTS>,
     /// Where and how near runs have shown it to be met; else at its interaction points, as [`Method`](crate::config::Method) says.
     pub contact_regions: Vec<ContactRegion, CONTACT_REGIONS>,
-    /// The ids of the objects with which it has no contact, however near they come. The runs of the job agree only without it, as where both are at a
-    /// third object. It is enough if one of the two names the other.
+    /// The ids of the objects with which it has no contact, however near they come: the runs of the job agree only without it. It is enough if one of
+    /// the two names the other.
     pub incidental: Vec<u16, OBJECTS>,
     /// Its orientation means nothing, as that of a round part, and counts as that of the bench.
     pub is_position_only: bool,
-    /// Where its position is in metres in the bench frame at the beginning of a job, in plane mode without z. It is known if the runs of the job have
-    /// shown it to lie there and nowhere near it afterwards.
+    /// Where its position is in metres in the bench frame at the beginning of a job, in plane mode without z, if the runs have shown it to lie there and
+    /// nowhere near it afterwards.
     pub start: Option<Around<3>>,
 }
 

@@ -55,8 +55,7 @@ pub(super) struct OpenActivity<'a> {
     /// Its number in the job, from 0.
     pub(super) number: u16,
     pub(super) step: Step,
-    /// The runs also have passive contacts with its part, or with the other one where the hand was not seen to come. No required step begins so. A
-    /// touch that is unlike the steps is then no step.
+    /// [`Progress::may_be_passive`]: a touch that is unlike the steps is then no step.
     pub(super) may_be_passive: bool,
     /// The nominal activities that it is like so far, but for the part that the hand took.
     pub(super) like: ActivitySet,
@@ -74,9 +73,8 @@ pub(super) struct OpenActivity<'a> {
     pub(super) against: Against,
     /// The nominal activities with which all IUs agree as they were seen, index by index.
     pub(super) agreeing: ActivitySet,
-    /// How many IUs have begun.
+    /// How many IUs have begun, and how many of them came between those of every candidate, which allows that.
     pub(super) ius: u16,
-    /// How many of them came between those of every candidate, which allows that.
     inserted: u16,
     /// The nominal activity nearest to the newest IU.
     pub(super) nearest: Option<usize>,
@@ -84,9 +82,8 @@ pub(super) struct OpenActivity<'a> {
     pub(super) ratios: [f64; ACTIVITIES],
     /// Why one of its IUs was not judged.
     pub(super) unjudged: Option<Cause>,
-    /// For each nominal activity, where in it the activity may be: `i` of Algorithm 1, or several where not all was seen.
+    /// For each nominal activity, where in it the activity may be, now and before the newest IU: `i` of Algorithm 1, or several where not all was seen.
     places: [Places; ACTIVITIES],
-    /// The same before the newest IU.
     places_before: [Places; ACTIVITIES],
     /// The context of the newest IU.
     newest: Context,
@@ -97,7 +94,7 @@ pub(super) struct OpenActivity<'a> {
     end_frames: u32,
     /// The nominal activities all of whose IUs may have come before the newest one, which then belongs to another activity with the same part.
     possibly_ended: ActivitySet,
-    /// An object that it may use, unseen up to some time in it; 0 where it is not known which. What it looks like without that is not known.
+    /// [`Progress::never_seen_with`] its part, at some time in it.
     pub(super) never_seen: Option<u16>,
     pub(super) is_concluded: bool,
 }
@@ -193,8 +190,8 @@ impl<'a> OpenActivity<'a> {
         })
     }
 
-    /// The newest IU began in doubt as many frames ago, and it is certain now that it has happened. What was not seen lies before it, or between two
-    /// IUs in this context. The second may be that of another activity, if the hand had time to let go.
+    /// The newest IU began in doubt as many frames ago, and it is certain now that it has happened. What was not seen lies before it, or between two IUs
+    /// in this context, of which the second may be that of another activity.
     pub(super) fn confirm_iu(&mut self, frames: u32, progress: &Progress<'_>) {
         let with_it = self.places_after();
         let hidden = core::mem::take(&mut self.hidden).min(frames);

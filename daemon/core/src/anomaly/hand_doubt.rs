@@ -31,8 +31,7 @@ pub(super) struct HandDoubt {
     idle_frames: u32,
     /// It was so in some frame since it last acted.
     has_been_idle: bool,
-    /// Which of several objects the hand acts on was decided when too little was seen, or before one of them was first seen. It keeps to that one
-    /// until it lets go.
+    /// Which of several objects the hand acts on was decided when too little was seen, or before one of them was first seen.
     is_held_doubtful: bool,
     /// `o_j` or `o_l` is first seen, and the hand may have acted on it before.
     is_first_seen: bool,
@@ -78,7 +77,7 @@ impl HandDoubt {
         (self.may_be_new, self.is_begun_late) = (true, true);
     }
 
-    /// The encoder has started again: nothing was watched before, so the next activity may be the remainder of one.
+    /// Nothing was watched before, so the next activity may be the remainder of one.
     pub(super) fn doubt_beginning(&mut self) {
         (self.may_be_remainder, self.is_begun_late) = (true, true);
     }
@@ -204,8 +203,7 @@ impl HandDoubt {
         }
     }
 
-    /// In how many frames something may have come and gone since a context was certain. That one may have been overlooked for as long as a change
-    /// takes to be believed.
+    /// In how many frames something may have come and gone since a context was certain, which takes as long to be believed.
     fn hidden_since(&self) -> u32 {
         self.certain.map_or(u32::MAX, |_| self.since_certain.saturating_add(self.persist_frames))
     }

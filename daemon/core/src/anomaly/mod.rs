@@ -150,10 +150,7 @@ pub enum Event {
 impl Event {
     /// The verdict, if it is one.
     pub fn verdict(self) -> Option<Verdict> {
-        match self {
-            Self::Verdict(verdict) => Some(verdict),
-            Self::JobBegan { .. } => None,
-        }
+        if let Self::Verdict(verdict) = self { Some(verdict) } else { None }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Frames in, feature couples out, on the grid of `rate_hz` and `persist_frames` late.
 
 use super::Couples;
-use super::grid::{Grid, Location};
+use super::grid::Grid;
 use super::scene::Scene;
 use crate::capacity::OBJECTS;
 use crate::config::{Method, MethodFault};
@@ -112,13 +112,11 @@ impl Encoder {
     /// If the frame is late or repeated.
     pub fn step(&mut self, frame: &Frame, emit: &mut impl FnMut(Couples)) -> Result<(), Refused> {
         let known_ns = frame.captured_ns;
-        match self.grid.locate(known_ns)? {
-            Location::Surplus => return Ok(()),
-            Location::First => {}
-            Location::Steps(steps) => self.fill(steps, known_ns, emit),
+        let steps = self.grid.step(known_ns)?;
+        if steps > 0 {
+            self.fill(steps, known_ns, emit);
+            self.push(known_ns, Some(frame).filter(|frame| !frame.is_unseen), known_ns, emit);
         }
-        let frame = (!frame.is_unseen).then_some(frame);
-        self.push(known_ns, frame, known_ns, emit);
         Ok(())
     }
 

@@ -2,17 +2,6 @@
 
 use super::Refused;
 
-/// Where a captured frame falls on the grid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Location {
-    /// It is the first frame: the grid begins here.
-    First,
-    /// It lies between two frames of the grid and adds nothing.
-    Surplus,
-    /// It lies this many frames of the grid after the newest one, at least 1.
-    Steps(u64),
-}
-
 /// The grid. It begins at the first frame and follows the camera's clock.
 ///
 /// A frame belongs to a grid instant if it comes at most a third of a period before it or two thirds after it. Cameras stamp late rather than early,
@@ -37,27 +26,28 @@ impl Grid {
         self.period_ns as u64
     }
 
-    /// Takes the time stamp of the next captured frame.
-    pub(super) fn locate(&mut self, captured_ns: u64) -> Result<Location, Refused> {
+    /// Takes the time stamp of the next captured frame. Returns how many frames of the grid it lies after the newest one. The first is one after none;
+    /// what lies between two frames of the grid adds none.
+    pub(super) fn step(&mut self, captured_ns: u64) -> Result<u64, Refused> {
         match self.newest_ns {
             Some(newest) if captured_ns == newest => return Err(Refused::Repeated),
             Some(newest) if captured_ns < newest => return Err(Refused::Late),
             Some(_) => {}
             None => {
                 self.anchor(captured_ns);
-                return Ok(Location::First);
+                return Ok(1);
             }
         }
         self.newest_ns = Some(captured_ns);
         let elapsed = i128::from(captured_ns) - self.instant_ns;
         let steps = (3 * elapsed + self.period_ns).div_euclid(3 * self.period_ns);
         if steps <= 0 {
-            return Ok(Location::Surplus);
+            return Ok(0);
         }
         let phase = elapsed - steps * self.period_ns;
         self.instant_ns += steps * self.period_ns + phase / 8;
         // Positive, and no greater than the span of `u64` time stamps.
-        Ok(Location::Steps(steps as u64))
+        Ok(steps as u64)
     }
 
     /// Starts the grid again at this frame.
@@ -86,11 +76,10 @@ mod tests {
         let mut grid = grid(30.0);
         let mut counts = [0; 3];
         for time in times {
-            match grid.locate(time) {
-                Ok(Location::First | Location::Steps(1)) => counts[0] += 1,
-                Ok(Location::Surplus) => counts[1] += 1,
-                Ok(Location::Steps(_)) => counts[2] += 1,
-                Err(_) => {}
+            match grid.step(time) {
+                Ok(1) => counts[0] += 1,
+                Ok(0) => counts[1] += 1,
+                _ => counts[2] += 1,
             }
         }
         counts
@@ -114,16 +103,14 @@ mod tests {
         let twice = (0..2_000).map(|k| k * 16_666_667 + k % 3 * 1_000_000);
         assert_eq!(locations(twice), [1_000, 1_000, 0]);
         let mut grid = grid(30.0);
-        assert_eq!(grid.locate(0), Ok(Location::First));
-        assert_eq!(grid.locate(66_666_667), Ok(Location::Steps(2)));
+        assert_eq!([grid.step(0), grid.step(66_666_667)], [Ok(1), Ok(2)]);
     }
 
     #[test]
     fn no_time_stamp_overflows() {
         let mut grid = grid(240.0);
-        assert_eq!(grid.locate(0), Ok(Location::First));
-        assert!(matches!(grid.locate(u64::MAX), Ok(Location::Steps(_))));
-        assert_eq!(grid.locate(u64::MAX), Err(Refused::Repeated));
-        assert_eq!(grid.locate(7), Err(Refused::Late));
+        assert_eq!(grid.step(0), Ok(1));
+        assert!(grid.step(u64::MAX).is_ok_and(|steps| steps > 1));
+        assert_eq!([grid.step(u64::MAX), grid.step(7)], [Err(Refused::Repeated), Err(Refused::Late)]);
     }
 }

@@ -125,14 +125,13 @@ pub struct Couple {
     pub motion: Option<Motion>,
     /// Context features.
     pub context: Context,
-    /// Where the hand acts, in metres: `o_j` in the frame of reference of `o_l`, or without `o_l` the finger tips in the bench frame.
-    /// `None` where it was not seen, the hand does not act, or it is not known whether the two touch. Where one frame is too inexact to measure strokes, the frames around it say it.
+    /// Where the hand acts, in metres: `o_j` in the frame of reference of `o_l`, or without `o_l` the finger tips in the bench frame. `None` where it was
+    /// not seen, the hand does not act, or it is not known whether the two touch.
     pub position: Option<Point>,
     /// The finger tips in the bench frame, in metres, known in the same way. `None` where they were neither seen nor assumed to be at what the hand
     /// carries, or the hand does not act.
     pub tips: Option<Point>,
-    /// How far apart two positions of `o_j` may be by drift, in metres; 0 where that is not known. They are in the frame of reference of `o_l` if
-    /// there is one.
+    /// How far apart two positions of `o_j`, in the frame of reference of `o_l` if there is one, may be by drift, in metres; 0 where that is not known.
     pub drift_m: f32,
     /// Minimum distances from the hand to `o_j` and from `o_j` to `o_l`, in metres; infinite where there is no such contact.
     pub distances: [f32; 2],

@@ -13,17 +13,12 @@ use heapless::{Deque, Vec};
 /// Maximum number of frames in the filter: its delay of `4h` frames, and the newest one.
 const FILTER_ROOM: usize = 2 * FILTER_FRAMES;
 
-/// An open ERU: frames in which `X` is constant.
-#[derive(Clone, Copy, Debug)]
-struct Eru {
-    motion: Motion,
-    began_ns: u64,
-}
 #[derive(Clone, Copy, Debug)]
 struct OpenIu {
     so_far: Iu,
     meter: Meter,
-    eru: Option<Eru>,
+    /// The open ERU, in which `X` is constant: its motion, and when it began.
+    eru: Option<(Motion, u64)>,
     /// Frames since the newest one whose motion was measured.
     unmeasured: u32,
 }
@@ -56,9 +51,8 @@ pub struct Segmenter {
     /// The context of the newest couple.
     context: Context,
     iu: Option<OpenIu>,
-    /// The newest IU that has ended, until it is known that it is over.
+    /// The newest IU that has ended; and that one if it is not over, so that a touch in its context goes on with it.
     ended: Option<OpenIu>,
-    /// That one, if it is not over: a touch in its context goes on with it.
     interrupted: Option<OpenIu>,
     /// The way of the hand with `o_j`, which ends where that leaves the `o_l` that it came to, and the way that begins there.
     ways: [Way; 2],
@@ -224,7 +218,7 @@ impl Segmenter {
             if unmeasured > 0 {
                 emit(HandEvent::IuUnmeasured(unmeasured));
             }
-            if let Some(Eru { motion, began_ns }) = eru {
+            if let Some((motion, began_ns)) = eru {
                 emit(HandEvent::Eru { context, motion, began_ns, ended_ns });
             }
             let iu = Iu { ended_ns, measures: meter.measures(&self.ways[0]), ..so_far };
@@ -237,19 +231,19 @@ impl Segmenter {
 
     /// Takes the next frame that leaves the filter.
     fn take_filtered(&mut self, motion: Motion, emit: &mut impl FnMut(HandEvent)) {
-        let (Some(iu), Some((began_ns, unmeasured))) = (&mut self.iu, self.in_filter.pop_front()) else {
+        let (Some(iu), Some((now_ns, unmeasured))) = (&mut self.iu, self.in_filter.pop_front()) else {
             return;
         };
         let context = iu.so_far.context;
         if unmeasured > 0 {
             emit(HandEvent::IuUnmeasured(unmeasured));
         }
-        if iu.eru.is_none_or(|eru| eru.motion != motion) {
-            if let Some(eru) = iu.eru.replace(Eru { motion, began_ns }) {
-                let (motion, ended_ns) = (eru.motion, began_ns);
-                emit(HandEvent::Eru { context, motion, began_ns: eru.began_ns, ended_ns });
+        if iu.eru.is_none_or(|(before, _)| before != motion) {
+            let ended = iu.eru.replace((motion, now_ns));
+            if let Some((motion, began_ns)) = ended {
+                emit(HandEvent::Eru { context, motion, began_ns, ended_ns: now_ns });
             }
         }
-        emit(HandEvent::IuFrame { motion, captured_ns: began_ns });
+        emit(HandEvent::IuFrame { motion, captured_ns: now_ns });
     }
 }

@@ -12,9 +12,8 @@ struct OpenJob {
     began_ns: u64,
     /// When a hand last acted in it.
     ended_ns: u64,
-    /// Whether a hand has touched anything in it.
+    /// A hand has touched something in it, and all nominal activities are done.
     touched: bool,
-    /// Whether all nominal activities are done.
     matched: bool,
 }
 
@@ -31,11 +30,9 @@ enum Between {
 
 /// Segments the couples of both hands. Each hand has its own activities; both share the job.
 ///
-/// A job begins with the first touch or on command. It ends on command, and once
-/// [`job_matched`](Self::job_matched) was set, with the touch that begins the next job. It also ends after a *pause*, when no hand has been seen for
-/// `idle_end_ms`, if it is matched or if objects have moved meanwhile. A pause in
-/// which every object stays where it is does not end a job: it goes on when the worker is back. Frames that are missing are no pause. A pause shows
-/// that the next job has not begun only as long as the bench is in sight.
+/// A job begins with the first touch or on command. It ends on command, and once [`job_matched`](Self::job_matched) was set, with the touch that begins
+/// the next job. It also ends after a *pause*, when no hand has been seen for `idle_end_ms`, if it is matched or if objects have moved meanwhile; else
+/// it goes on when the worker is back. Frames that are missing are no pause, and one shows that the next job has not begun only while the bench is seen.
 #[derive(Clone, Debug)]
 pub struct JobSegmenter {
     hands: [Segmenter; HANDS],

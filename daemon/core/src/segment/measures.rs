@@ -32,7 +32,7 @@ pub struct Measures {
     /// How much longer the path is than the straight way from its beginning to where it is now, in metres. It never becomes less.
     pub detour_m: f32,
     /// The lateral deviation so far, in metres: how far off the straight line the way of the hand on the bench has led. The way begins where the hand
-    /// took `o_j`, or came with it to the `o_l` that it has left. It never becomes less until that way ends, with the time at the next `o_l`.
+    /// took `o_j`, or came with it to the `o_l` that it has left, and ends with the time at the next one. It never becomes less.
     pub lateral_m: f32,
     /// In how many frames just before that way the hand was not seen.
     pub unseen_before_way: u32,
@@ -45,9 +45,8 @@ pub struct Measures {
     pub hidden_reversals: u32,
     /// How often it may have reversed in addition: it was seen to come back, and how far was in a frame that is missing.
     pub cut_reversals: u32,
-    /// By how much the strokes before reversals may have been longer in addition, and those behind them as well, in metres. That is so where the frame
-    /// just before or behind the farthest one that was seen is missing. A hand is about to reverse there, so its pace beside that frame bounds it. It
-    /// counts for 15 mm at most.
+    /// By how much the strokes before reversals may have been longer in addition, and those behind them as well, in metres: where the frame just before
+    /// or behind the farthest one that was seen is missing, by the pace beside it, and 15 mm at most.
     pub cut_m: f32,
     /// The share of the frames that were not seen, where what happened in them cannot be known; 0 to 1.
     pub hidden: f32,
@@ -74,33 +73,26 @@ enum Gap {
     Beside(Beyond),
 }
 
-/// Frames that are missing beside the farthest position, and the pace beside them.
+/// Frames that are missing beside the farthest position, and how far the motion went in the frame before them and in the one behind them, in metres.
 #[derive(Clone, Copy, Debug, Default)]
 struct Beyond {
     frames: u32,
-    /// How far the motion went in the frame before them or in the one behind them, whichever is more, in metres.
-    pace_m: f32,
-    /// The newest position is the first one behind them.
-    is_open: bool,
+    before_m: f32,
+    /// `None` until that is known; infinite across a gap.
+    behind_m: Option<f32>,
 }
 
 impl Beyond {
     /// With others that are missing as well.
     fn and(self, other: Self) -> Self {
-        let pace_m = self.pace_m.max(other.pace_m);
-        Self { frames: self.frames.saturating_add(other.frames), pace_m, ..other }
-    }
-
-    /// Takes the way from the newest position to the next one; infinite across a gap.
-    fn push(&mut self, pace_m: f32) {
-        if core::mem::take(&mut self.is_open) {
-            self.pace_m = self.pace_m.max(pace_m);
-        }
+        let before_m = self.before_m.max(self.behind_m.unwrap_or(0.0)).max(other.before_m);
+        Self { frames: self.frames.saturating_add(other.frames), before_m, ..other }
     }
 
     /// How far beyond the farthest position the motion may have gone. A hand that is about to reverse is hardly ever faster than twice what was seen.
     fn most_m(&self) -> f32 {
-        if self.is_open { f32::INFINITY } else { HIDDEN_SLACK * self.frames as f32 * self.pace_m }
+        let behind_m = self.behind_m.unwrap_or(f32::INFINITY);
+        HIDDEN_SLACK * self.frames as f32 * self.before_m.max(behind_m)
     }
 }
 
@@ -108,9 +100,8 @@ impl Beyond {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Meter {
     frames: u32,
-    /// Frames with a position.
+    /// Frames with a position, and without one since the newest.
     known: u32,
-    /// Frames without one since the newest position.
     unknown: u32,
     /// The newest position, and how far it is from the one in the frame before it; infinite where that is not known.
     newest: Option<Point>,
@@ -132,7 +123,6 @@ pub(super) struct Meter {
     /// How far the motion has come back from the farthest position so far, and what was missing since just before that.
     returned_m: f32,
     gap: Gap,
-    /// By how much the motion may have gone beyond the farthest positions at which it reversed, where a frame beside one is missing, in metres.
     cut_m: f32,
     reversals: u32,
     /// The sum of the lengths of whole strokes.
@@ -154,7 +144,7 @@ impl Meter {
         let newest = self.newest.replace(position).filter(|_| missing == 0);
         let pace_m = newest.map_or(f32::INFINITY, |newest| distance(newest, position));
         if let Gap::Beside(beyond) = &mut self.gap {
-            beyond.push(pace_m);
+            beyond.behind_m.get_or_insert(pace_m);
         }
         self.end_gap();
         self.known = self.known.saturating_add(1);
@@ -185,7 +175,6 @@ impl Meter {
         self.hidden += if unknown > 1 { unknown as f32 } else { SINGLE_FRAME * unknown as f32 };
     }
 
-    /// A movement of less is none, in metres.
     fn moved_m(&self) -> f32 {
         MOVED_M.max(self.drift_m)
     }
@@ -206,7 +195,7 @@ impl Meter {
 
     /// The motion has reversed at the farthest position once it has come back from there. `missing` frames have no position just before this one.
     fn turn(&mut self, position: Point, missing: u32) {
-        let beyond = Beyond { frames: missing, pace_m: self.pace_m, is_open: true };
+        let beyond = Beyond { frames: missing, before_m: self.pace_m, behind_m: None };
         if missing > 0 {
             self.gap = match self.gap {
                 Gap::Beside(before) if self.returned_m == 0.0 => Gap::Beside(before.and(beyond)),

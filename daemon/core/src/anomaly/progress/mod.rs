@@ -25,7 +25,7 @@ const MIN_USUAL_RUNS: u16 = 6;
 #[derive(Clone, Copy, Debug, Default)]
 struct Begin {
     ns: u64,
-    /// The same if it was seen to begin then, and 0 if it may have begun earlier.
+    /// The same, or 0 if it may have begun earlier.
     seen_ns: u64,
     /// What had come for certain.
     came: ActivitySet,
@@ -59,19 +59,15 @@ struct JobState {
     began_ns: u64,
     /// Since when a hand that was not seen had worked before it. If the job is right, that was another piece.
     unseen_since_ns: Option<u64>,
-    /// One that began on command has a verdict whatever comes.
     start: Start,
-    /// How many activities have begun.
+    /// How many activities have begun, and how many of them were none: the hand moved nothing, or put right what was done.
     activities: u16,
-    /// How many of them were none: the hand moved nothing, or put right what was done.
     given_up: u16,
     /// For each hand, the number of the first of them that is a step of the job, as far as its first IU shows.
     first_steps: [Option<u16>; HANDS],
-    /// Activities that were done right.
+    /// The activities that were done right, done but not judged, and done wrong.
     done: ActivitySet,
-    /// Activities that were done but not judged.
     unjudged: ActivitySet,
-    /// Activities that were tried and done wrong.
     wrong: ActivitySet,
     /// Activities whose work may have been done with another part. If one of them turns out not to have come, that part was wrong.
     instead: ActivitySet,
@@ -79,11 +75,9 @@ struct JobState {
     waiting: [ActivitySet; HANDS],
     /// For each hand, what its open activity may be if that has come to its end, though nothing says so.
     may_have_ended: [ActivitySet; HANDS],
-    /// For each hand, the candidates of its open activity.
+    /// For each hand, the candidates of its open activity as it was seen, and with what was not seen of it.
     underway: [ActivitySet; HANDS],
-    /// For each hand, what its open activity may be, with what was not seen of it: no less than as it was seen.
     may_be_underway: [ActivitySet; HANDS],
-    /// For each hand, what was known when its newest activity began.
     begins: [Begin; HANDS],
     /// For each hand, whether what it does now is not seen.
     is_hidden: [bool; HANDS],
@@ -99,10 +93,9 @@ struct JobState {
     may_be_of_next: ActivitySet,
     /// Why what a hand goes on with from the job before was not judged.
     carried_on_cause: Option<Cause>,
-    /// What of the verdict is known by the first fault, and by the first that was not judged.
+    /// What of the verdict is known by the first fault, by the first that was not judged, and by the first note.
     fault: Option<Verdict>,
     first_unjudged: Option<Verdict>,
-    /// The first note.
     note: Option<Note>,
     phase: Phase,
 }
@@ -125,17 +118,14 @@ pub(super) struct Progress<'a> {
     pub(super) job: &'a Job<'a>,
     /// All activities of the job.
     all: ActivitySet,
-    /// How many frames a change takes to be believed.
     pub(super) persist_frames: u32,
-    /// The time of the newest couples.
+    /// The time of the newest couples, and of the newest frame that they depend on.
     pub(super) now_ns: u64,
-    /// The time of the newest frame that they depend on.
     pub(super) known_ns: u64,
     state: JobState,
     /// The activities that may have come unseen since the last job ended.
     unseen: ActivitySet,
-    /// Activities that the newest frame shows not to have been done. Then those that some frame between the last job and the first touch of this one
-    /// has shown so.
+    /// Activities that the newest frame shows not to have been done, and those that one between the last job and the first touch of this one has.
     seen_undone: ActivitySet,
     undone_first: ActivitySet,
     /// The activities that use an object which has not been seen since the last job ended or the encoder started. `None` before the first frame.
@@ -173,7 +163,6 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Something has its verdict.
     pub(super) fn tell(&mut self, verdict: Verdict) {
         self.push(Event::Verdict(verdict));
     }
@@ -237,8 +226,8 @@ impl<'a> Progress<'a> {
         self.seen_undone.without(self.state.left)
     }
 
-    /// Whether the bench has been set for the next piece. A part that a judged activity moves for good has been away. It lies again where the job
-    /// began, and so does all that lay there then.
+    /// Whether the bench has been set for the next piece: a part that a judged activity moves for good lies again where the job began, and so does all
+    /// that lay there then.
     pub(super) fn is_reset(&self) -> bool {
         let is_back = self.seen_undone & self.state.left;
         !self.is_concluded()
@@ -270,7 +259,7 @@ impl<'a> Progress<'a> {
         self.state.is_hidden[side.index()] = is_hidden;
     }
 
-    /// Takes how well the next couple of a hand, as many frames later, shows what it does. A hand that has never been seen is not hidden.
+    /// Takes how well the next couple of a hand, as many frames later, shows what it does.
     pub(super) fn count_occluded(&mut self, couple: &Couple, frames: u32, is_hidden: bool) {
         let log = &mut self.occlusions[couple.side.index()];
         log.skip(frames, couple);
@@ -279,7 +268,6 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// What was hidden up to now does not matter any more.
     fn forget_hidden(&mut self) {
         self.unseen = ActivitySet::EMPTY;
         if self.never_seen.is_none_or(ActivitySet::is_empty) {
@@ -329,7 +317,7 @@ impl<'a> Progress<'a> {
         all.map(|nominal| usize::from(nominal.activity)).collect()
     }
 
-    /// The hand that was shown to begin an activity with this context. It is this one, or the other one if its activity there is still to come.
+    /// The hand that was shown to begin an activity with this context: this one, or the other one if its activity there is still to come.
     pub(super) fn shown_hand(&self, side: Side, context: Context) -> Option<Side> {
         let other = side.other();
         let of_other = self.opening(context.by_hand(other));
@@ -342,8 +330,8 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Whether a touch in this context may be a passive contact. The runs have such contacts with its part, and no required activity begins so. A
-    /// hand that was not seen to come may touch the other part of the context instead.
+    /// Whether a touch in this context may be a passive contact: the runs have such contacts with its part, or with the other one where the hand was
+    /// not seen to come, and no required activity begins so.
     pub(super) fn may_be_passive(&self, context: Context, has_been_seen_to_come: bool) -> bool {
         let opening = self.opening(context);
         let parts = if has_been_seen_to_come { &context.0[1..2] } else { &context.0[1..] };
@@ -366,7 +354,6 @@ impl<'a> Progress<'a> {
         self.job.whose_law(|law| law.after().is_empty())
     }
 
-    /// The activities that must not come a second time.
     fn once(&self) -> ActivitySet {
         self.job.whose_law(|law| law.is_once)
     }
@@ -383,7 +370,6 @@ impl<'a> Progress<'a> {
         self.job.whose_law(|law| law.runs >= MIN_USUAL_RUNS && law.usually_after.intersects(activities))
     }
 
-    /// Whether the job has any order.
     fn has_order(&self) -> bool {
         self.first() != self.all
     }
@@ -414,12 +400,10 @@ impl<'a> Progress<'a> {
         number
     }
 
-    /// The activity with this number turned out to be none of the job's steps.
     pub(super) fn set_no_step(&mut self, number: u16) {
         self.state.first_steps = self.state.first_steps.map(|first| first.filter(|first| *first != number));
     }
 
-    /// The activity with this number was none.
     pub(super) fn give_up(&mut self, number: u16) {
         self.set_no_step(number);
         self.state.given_up = self.state.given_up.saturating_add(1);
@@ -433,7 +417,6 @@ impl<'a> Progress<'a> {
         is_none && !has_come && state.start != Start::Commanded
     }
 
-    /// The number of the activity that a nominal activity fulfils.
     pub(super) fn number(&self, nominal: usize) -> Option<u16> {
         self.job.activities.get(nominal).map(|nominal| nominal.activity)
     }
@@ -443,7 +426,6 @@ impl<'a> Progress<'a> {
         nominal.into_iter().filter_map(|nominal| self.number(nominal)).map(usize::from).collect()
     }
 
-    /// The activities that were tried and done wrong.
     pub(super) fn wrong(&self) -> ActivitySet {
         self.state.wrong
     }
@@ -473,8 +455,8 @@ impl<'a> Progress<'a> {
         self.tried() | self.state.may_be_underway[side.index()]
     }
 
-    /// Sets what the open activity of a hand is as it was seen, and what it may be. Where that is `None`, something did not fit and was not seen well
-    /// enough to be wrong. It may be what it may have been before.
+    /// Sets what the open activity of a hand is as it was seen, and what it may be. `None`: something did not fit and was not seen well enough to be
+    /// wrong, so that may be what it was before.
     pub(super) fn set_underway(&mut self, side: Side, as_seen: ActivitySet, may_be: Option<ActivitySet>) {
         self.state.underway[side.index()] = self.activities_of(as_seen.iter());
         if let Some(may_be) = may_be {
@@ -482,7 +464,6 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// A hand has done a nominal activity.
     pub(super) fn set_done(&mut self, number: u16, nominal: usize) {
         let activity = self.activities_of([nominal]);
         self.state.may_be_of_next |= self.state.done & activity;
@@ -540,7 +521,6 @@ impl<'a> Progress<'a> {
         self.state.required.without(came).is_empty()
     }
 
-    /// Whether the job has its verdict.
     pub(super) fn is_concluded(&self) -> bool {
         self.state.phase == Phase::Over
     }

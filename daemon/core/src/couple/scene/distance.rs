@@ -100,7 +100,8 @@ impl Scene {
         let known: [bool; OBJECTS] =
             core::array::from_fn(|index| posed.get(index).is_some_and(|(_, pose, _)| is_known(pose)));
         // Side by side, because most pairs need nothing else of the objects.
-        let extents: [Extent; OBJECTS] =
+        let extent = |(shape, pose, _): &Posed<'_>| (pose.position, shape.radius_m);
+        let extents: [_; OBJECTS] =
             core::array::from_fn(|index| posed.get(index).map_or(([0.0; 3], 0.0), extent));
         let (usual, rest_m) = (&self.method.object_contact, self.rest_m());
         for (i, (one, edges)) in posed.iter().zip(&mut self.adjacent).enumerate() {
@@ -189,15 +190,8 @@ fn contact_of(one: &Shape, other: &Shape, usual: &Contact) -> Contact {
     place_of(one, other).map_or(*usual, |(place, _)| place.contact)
 }
 
-/// Where an object is, and its radius, in metres.
-type Extent = (Point, f32);
-
-fn extent((shape, pose, _): &Posed<'_>) -> Extent {
-    (pose.position, shape.radius_m)
-}
-
-/// Whether two objects may meet where this is the usual contact: the radius holds what a learnt one reaches beyond it.
-fn are_in_reach(one: Extent, other: Extent, usual: &Contact) -> bool {
+/// Whether two objects with these positions and radii may meet where this is the usual contact: the radius holds what a learnt one reaches beyond it.
+fn are_in_reach(one: (Point, f32), other: (Point, f32), usual: &Contact) -> bool {
     let reach = one.1 + other.1 + usual.off_m;
     squared_distance(one.0, other.0) <= reach * reach
 }
