@@ -20,11 +20,6 @@ impl Contact {
     pub fn is_valid(&self) -> bool {
         self.on_m > 0.0 && self.off_m >= self.on_m && self.off_m < f32::INFINITY
     }
-
-    /// Midway between the two distances, in metres.
-    pub(crate) fn middle_m(&self) -> f32 {
-        f32::midpoint(self.on_m, self.off_m)
-    }
 }
 
 /// All constants of the method.

@@ -212,7 +212,7 @@ pub struct Job<'a> {
     /// the reference. 1 leaves the thresholds as they are, as in the paper.
     pub max_slowdown: f32,
     /// Whether a frame [`at_rest`](Motion::at_rest) stands before and after each reference of a touch. It is then put before and after each motion that
-    /// is judged: a rest at either end of an IU costs nothing, but still counts as time. In the paper it costs as much as any other motion.
+    /// is judged. A rest at either end of an IU costs nothing, but still counts as time. In the paper it costs as much as any other motion.
     pub has_free_ends: bool,
     /// The share of the frames of the grid that must have been captured during an IU for it to be judged, 0 to 1. With fewer, the motion that was
     /// shown would not be recognised. 0 asks for nothing.

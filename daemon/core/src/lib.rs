@@ -27,19 +27,10 @@
 //!     reversals: Bounds { min: 0, max: 1 },
 //!     measures: MeasureBounds::ANY,
 //! };
-//! let activities = [NominalActivity { activity: 0, ius: &[iu] }];
-//! let cost = LocalCost::Circular { bins: 8 };
-//! let (activities, has_free_ends) = (&activities, false);
-//! let job = Job {
-//!     activities,
-//!     laws: &[],
-//!     objects: &[],
-//!     passive_contacts: &[],
-//!     cost,
-//!     max_slowdown: 2.0,
-//!     has_free_ends,
-//!     min_captured: 0.5,
-//! };
+//! let activities = &[NominalActivity { activity: 0, ius: &[iu] }];
+//! let (laws, objects, passive_contacts, cost) = (&[], &[], &[], LocalCost::Circular { bins: 8 });
+//! let (max_slowdown, has_free_ends, min_captured) = (2.0, false, 0.5);
+//! let job = Job { activities, laws, objects, passive_contacts, cost, max_slowdown, has_free_ends, min_captured };
 //!
 //! let method = Method::default();
 //! let tool = ObjectShape { id: 5, interaction_points: [[0.0; 3]].into_iter().collect(), ..ObjectShape::default() };

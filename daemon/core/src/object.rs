@@ -28,7 +28,7 @@ pub struct ObjectShape {
     pub incidental: Vec<u16, OBJECTS>,
     /// Its orientation means nothing, as that of a round part, and counts as that of the bench.
     pub is_position_only: bool,
-    /// Where its position is in metres in the bench frame at the beginning of a job, in plane mode without z, if the runs have shown it to lie there and
+    /// Where its position is in metres in the bench frame at the beginning of a job, in plane mode without z. The runs have shown it to lie there, and
     /// nowhere near it afterwards.
     pub start: Option<Around<3>>,
 }

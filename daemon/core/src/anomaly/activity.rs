@@ -82,7 +82,7 @@ pub(super) struct OpenActivity<'a> {
     pub(super) ratios: [f64; ACTIVITIES],
     /// Why one of its IUs was not judged.
     pub(super) unjudged: Option<Cause>,
-    /// For each nominal activity, where in it the activity may be, now and before the newest IU: `i` of Algorithm 1, or several where not all was seen.
+    /// For each nominal activity, where in it the activity may be, now and before the newest IU. It is `i` of Algorithm 1, or several.
     places: [Places; ACTIVITIES],
     places_before: [Places; ACTIVITIES],
     /// The context of the newest IU.
@@ -186,7 +186,9 @@ impl<'a> OpenActivity<'a> {
         let places = if self.hidden == 0 { self.places } else { self.places_after() };
         let all = self.job.activities.iter().enumerate();
         all.flat_map(move |(nominal, activity)| {
-            places[nominal].newest(activity.ius, context).map(move |index| (nominal, index))
+            let indices = places[nominal].iter().filter_map(|ius| ius.checked_sub(1));
+            let newest = indices.filter(move |index| activity.ius[*index].context == context);
+            newest.map(move |index| (nominal, index))
         })
     }
 
@@ -324,7 +326,7 @@ impl<'a> OpenActivity<'a> {
     /// The contexts with which a nominal activity would go on that it may be.
     pub(super) fn continuations(&self) -> Vec<Context, ACTIVITIES> {
         let all = self.places_as_seen().into_iter().zip(self.job.activities);
-        all.flat_map(|(places, nominal)| places.next_ius(nominal.ius))
+        all.flat_map(|(places, nominal)| places.iter().filter_map(|ius| nominal.ius.get(ius)))
             .map(|iu| iu.context)
             .take(ACTIVITIES)
             .collect()
@@ -423,8 +425,8 @@ impl<'a> OpenActivity<'a> {
         self.nearest = nominal.or(self.nearest);
     }
 
-    /// After a fault: the indices of the nominal activity that is followed and of its next IU with this context, or else of any before that. If there
-    /// is none, another nominal activity that has one is followed.
+    /// After a fault: the nominal activity that is followed, and its next IU with this context or else any before that, as indices. If there is none,
+    /// another nominal activity that has one is followed.
     pub(super) fn follow_on(&mut self, context: Context) -> Option<(usize, usize)> {
         let Against::Following(nominal, next) = self.against else { return None };
         let context = self.as_shown(context);
@@ -502,7 +504,7 @@ impl<'a> OpenActivity<'a> {
     pub(super) fn follow_nearest(&mut self, context: Context) {
         let context = self.as_shown(context);
         let candidates = self.candidates_before();
-        let come = |nominal: usize| self.places_before[nominal].lowest().unwrap_or(0);
+        let come = |nominal: usize| self.places_before[nominal].iter().next().unwrap_or(0);
         let found = candidates.iter().filter_map(|nominal| {
             let index = self.index_from(nominal, come(nominal), context)?;
             Some((index < come(nominal), index, nominal))

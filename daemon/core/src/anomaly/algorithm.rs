@@ -21,7 +21,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 self.begin_activity(context, began_ns, progress);
             }
             (HandEvent::IuBegan { .. }, Some(couple)) => self.begin_iu(couple, progress),
-            (HandEvent::IuResumed, _) => self.resume_iu(),
+            (HandEvent::IuResumed, _) => {
+                let resumed = |it: Interrupted| OpenIu { ended_ns: None, ..it.open };
+                self.iu = self.interrupted.take().map(resumed);
+            }
             (HandEvent::IuFrame { motion, .. }, _) => self.push_motion(&motion, progress),
             (HandEvent::IuUnmeasured(_), _) => self.skip_motion(),
             (HandEvent::IuEnded(iu), _) => self.end_iu(&iu, couple.map(|couple| couple.context), progress),
@@ -45,7 +48,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let mut activity = OpenActivity::new(whose, number, step, begin, hidden, &self.doubt);
         let shown = activity.as_shown(context);
         if activity.is_beginning_seen() {
-            progress.set_start_seen(number, shown);
+            progress.begin_seen_with(number, progress.opening(shown));
         }
         activity.may_be_passive = progress.may_be_passive(shown, hidden == 0 || self.doubt.was_idle());
         self.activity = Some(activity);
@@ -292,9 +295,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         {
             activity.ended_ns = iu.ended_ns;
             // Where frames are missing, a contact that came and went soon may only have seemed to.
-            if self.iu.is_some_and(|open| {
-                !self.doubt.is_believable(open.observation.captured, open.observation.frames)
-            }) {
+            let believable = |iu: OpenIu| iu.observation.frames.min(self.doubt.end_frames());
+            if self.iu.is_some_and(|iu| iu.observation.captured < believable(iu)) {
                 activity.doubt_newest_iu();
             }
         }
@@ -340,7 +342,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if self.comparisons.end().is_err() {
             self.conclude_unjudged(Reason::Overload, progress);
         } else if may_pass {
-            self.conclude_passing(progress);
+            // The runs show the two parts at rest side by side. Here they passed, and no candidate goes on so: whether they touched is not known.
+            if let Some(activity) = &mut self.activity {
+                activity.doubt_newest_iu();
+            }
+            self.conclude_unjudged(Reason::Passing, progress);
         } else if observation.may_be_part && self.hold_back(observation, progress) {
             // It has its verdict once it is certain that it has ended.
         } else {
@@ -354,14 +360,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             self.compare_but_for_part(iu, progress);
         }
         self.iu = None;
-    }
-
-    /// The runs show the two parts at rest side by side. Here they passed, and no candidate goes on so: whether they touched is not known.
-    fn conclude_passing(&mut self, progress: &mut Progress<'a>) {
-        if let Some(activity) = &mut self.activity {
-            activity.doubt_newest_iu();
-        }
-        self.conclude_unjudged(Reason::Passing, progress);
     }
 
     /// Gives the verdict on the IU by its motion and bounds.

@@ -1,6 +1,6 @@
 //! The comparisons of an open IU with nominal IUs.
 //!
-//! With free ends a rest stands before and after each motion and each reference: half a second of rest at a part would else differ as much as a
+//! With free ends a rest stands before and after each motion and each reference. Half a second of rest at a part would else differ as much as a
 //! motion in the wrong direction. Of 15 runs at half the speed, judged by another person's job, 12 were right without it and 14 are.
 //!
 //! An IU of two parts may then have ended in one of the five frames before its last: the nearest of these six counts. Of 144 jobs of
@@ -15,8 +15,8 @@ use crate::segment::HIDDEN_SLACK;
 use crate::verdict::{Measure, Measured, Reason};
 use heapless::Vec;
 
-/// Where the other hand ends the contact of two parts, this one may go on while they are still within the width of the contact. That takes as many
-/// frames as a change takes to be believed by default.
+/// Where the other hand ends the contact of two parts, this one may go on while they are still near enough for it. That takes as many frames as a
+/// change takes to be believed by default.
 const BORDER_FRAMES: usize = 5;
 
 /// The comparison of the open IU with one nominal IU.

@@ -1,6 +1,6 @@
 //! IUs that have ended, or seem to have, and wait for their verdict.
 //!
-//! A hand may correct its grip: it lets go in the middle of an activity and takes the same part again, in the same context. The IU goes on, and has its
+//! A hand corrects its grip if it lets go in the middle of an activity and takes the same part again, in that context. The IU goes on, and has its
 //! verdict only when something else begins, unless it is certainly wrong before. Where the job has the same IU twice, it counts twice.
 //!
 //! An IU may seem to end where something was not seen. Where it would be wrong if it has, its verdict waits until it is certain that it has. Until then
@@ -45,11 +45,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             && !activity.is_concluded
             && !is_at_end
             && !activity.goes_on_with(open.context)
-    }
-
-    /// The hand has taken again what it had let go of.
-    pub(super) fn resume_iu(&mut self) {
-        self.iu = self.interrupted.take().map(|interrupted| OpenIu { ended_ns: None, ..interrupted.open });
     }
 
     /// Something else begins than the IU of which the hand has let go, so that one is over.

@@ -1,5 +1,5 @@
 //! A hand that touches what a step moves, moves nothing and lets go has not begun that step. It corrects its grip, or has thought better of it. One
-//! that takes again what it has just put down, and lets go of it, puts it right: it goes on with the last IU of what it has done.
+//! that takes again what it has just put down, and lets go of it, puts it right. It goes on with the last IU of what it has done.
 //!
 //! While a touch that moves nothing was a step, 9 of 60 right runs by feel were accused. Before what was done could be put right, it was 9 of 90. Now
 //! it is 2 of 45, and 3 of 90 with a hand that is lost for two seconds.

@@ -110,12 +110,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         self.activity.as_mut().map(|activity| activity.add_hidden(u32::MAX)).is_some()
     }
 
-    /// Nothing is known of what the hand does from now on.
-    pub(super) fn lose_sight(&mut self) {
-        self.doubt.lose();
-        self.break_off();
-    }
-
     /// The open activity is not watched to its end.
     pub(super) fn break_off(&mut self) {
         self.is_broken_off = true;

@@ -77,11 +77,6 @@ impl HandDoubt {
         (self.may_be_new, self.is_begun_late) = (true, true);
     }
 
-    /// Nothing was watched before, so the next activity may be the remainder of one.
-    pub(super) fn doubt_beginning(&mut self) {
-        (self.may_be_remainder, self.is_begun_late) = (true, true);
-    }
-
     /// Takes the next couple, which comes as many frames after the one before: of a long gap, not all have one.
     pub(super) fn observe(&mut self, couple: &Couple, frames: u32) {
         self.count_idle();
@@ -177,7 +172,7 @@ impl HandDoubt {
         IDLE_PERSISTS * self.persist_frames
     }
 
-    /// In this many hidden frames the hand may have let go of everything: until that is believed, and before it in which something was overlooked.
+    /// In this many hidden frames the hand may have let go of everything. They are those until that is believed, and as many before it.
     pub(super) fn end_frames(&self) -> u32 {
         2 * self.persist_frames
     }
@@ -264,10 +259,5 @@ impl HandDoubt {
 
     fn is_recent(&self) -> bool {
         self.since_doubt <= self.persist_frames
-    }
-
-    /// Whether enough of the frames of a stretch were captured for two changes to be believed.
-    pub(super) fn is_believable(&self, captured: u32, frames: u32) -> bool {
-        captured >= frames.min(2 * self.persist_frames)
     }
 }

@@ -40,7 +40,7 @@
 //!
 //! Three things widen the doubt beyond a gap. An activity that was not judged may go on with the same part, unless the hand was certainly idle
 //! (`hand_doubt`). An activity in progress may have ended, and one that came again, or after all had come, may be of the next piece (`progress`).
-//! Where nobody watched for long enough, what is seen next may be of another piece, and no job is right that spans such a gap
+//! Where nobody watched for long enough, what is seen next may be of another piece. No job is right that spans such a gap
 //! (`progress::another_piece`).
 //!
 //! A verdict of *not judged* names what was missing most in all that it depends on. An activity and a job name the first such thing in them.
@@ -56,7 +56,6 @@ mod ended;
 mod grip;
 mod hand;
 mod hand_doubt;
-mod instead;
 mod measure;
 mod observation;
 mod occlusion;
@@ -301,7 +300,8 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         }
         hands.iter_mut().for_each(|hand| hand.check_order(progress));
         if hands.iter().zip(&couples.hands).any(|(hand, couple)| hand.is_seen_at_step(couple)) {
-            progress.see_step();
+            // From here on the piece is the same while it is watched.
+            progress.unwatched = 0;
         }
         if hands.iter().all(|hand| hand.is_concluded()) {
             progress.conclude(false);
@@ -398,7 +398,10 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     /// verdicts; what is missing from it accuses nobody.
     pub fn break_off(&mut self, emit: &mut impl FnMut(Event)) {
         let Bench { hands, progress } = &mut self.bench;
-        hands.iter_mut().for_each(HandJudge::lose_sight);
+        for hand in hands {
+            hand.doubt.lose();
+            hand.break_off();
+        }
         progress.break_off();
         self.newest = None;
         self.finish(emit);
@@ -418,9 +421,12 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
 impl<'a, M: Memory<'a>> Bench<'a, M> {
     /// The encoder has started again, and the next job may have begun. Returns for how many frames it may not see that a hand holds something.
     fn forget(&mut self) -> u32 {
-        self.progress.forget_seen();
+        self.progress.never_seen = None;
         self.progress.doubt_start();
-        self.hands.iter_mut().for_each(|hand| hand.doubt.doubt_beginning());
+        for hand in &mut self.hands {
+            // Nothing was watched before, so the next activity may be the remainder of one.
+            (hand.doubt.may_be_remainder, hand.doubt.is_begun_late) = (true, true);
+        }
         self.hands[0].doubt.min_idle_frames()
     }
 

@@ -27,8 +27,7 @@ impl Places {
             Some([before, next]) => before.context.is_release() || before.context == next.context,
             _ => true,
         };
-        let places = (0..=nominal.len()).filter(|ius| self.contains(*ius)).filter(is_idle);
-        Self(places.fold(0, |places, ius| places | 1 << ius))
+        self.iter().filter(is_idle).collect()
     }
 
     /// Those of these places at which not all IUs have come.
@@ -51,18 +50,12 @@ impl Places {
         hidden: u32,
     ) -> Self {
         let before = self.or_later(hidden, nominal);
-        let has_context = |index: usize| nominal[index].context == context;
-        let next = (0..nominal.len()).filter(|index| before.contains(*index) && has_context(*index));
+        let has_context = |index: usize| nominal.get(index).is_some_and(|iu| iu.context == context);
+        let next = before.iter().filter(|ius| has_context(*ius)).map(|ius| ius + 1);
         // What was not seen for a while may go on.
-        let is_same = |index: &usize| hidden > 0 && self.contains(index + 1) && has_context(*index);
-        let same = (0..nominal.len()).filter(is_same);
-        let inserted = (0..=nominal.len()).filter(|ius| {
-            allows_insertions
-                && before.contains(*ius)
-                && nominal.get(*ius).is_none_or(|iu| iu.context != context)
-        });
-        let ius = next.chain(same).map(|index| index + 1).chain(inserted);
-        Self(ius.fold(0, |places, ius| places | 1 << ius))
+        let same = self.iter().filter(|ius| hidden > 0 && has_context(ius.wrapping_sub(1)));
+        let inserted = before.iter().filter(|ius| allows_insertions && !has_context(*ius));
+        next.chain(same).chain(inserted).collect()
     }
 
     /// The places after as many hidden frames in an IU with this context, or between two IUs. Another IU with this context may have begun.
@@ -74,7 +67,7 @@ impl Places {
             let has_begun = has_context(*ius) && (places.contains(*ius) || places.contains(*ius - 1));
             stays || hidden > 0 && has_begun
         };
-        Self((0..=nominal.len()).filter(may_be_at).fold(0, |places, ius| places | 1 << ius))
+        (0..=nominal.len()).filter(may_be_at).collect()
     }
 
     /// These places, and any to which IUs may have led in as many hidden frames. An IU of which more than half is seen is not overlooked.
@@ -96,8 +89,7 @@ impl Places {
     /// Whether all IUs may have come in as many hidden frames, and then those from the first one up to one with this context again. Half of that is not
     /// overlooked: with a quarter 8 of 3,700 drawn streams differ, and 10 with all of it.
     pub(super) fn may_be_again(self, nominal: &[NominalIu<'_>], hidden: u32, context: Context) -> bool {
-        let places = (1..=nominal.len()).filter(|ius| self.contains(*ius));
-        let left = places.map(|ius| quickest(&nominal[ius..])).min();
+        let left = self.iter().filter(|ius| *ius > 0).map(|ius| quickest(&nominal[ius..])).min();
         let begins = (0..nominal.len()).filter(|index| nominal[*index].context == context);
         let again = begins.map(|index| quickest(&nominal[..index])).min();
         left.zip(again).is_some_and(|(left, again)| left.saturating_add(again) / 2 <= hidden)
@@ -117,32 +109,16 @@ impl Places {
         self.0 >> ius & 1 == 1
     }
 
-    /// The IUs that may come next.
-    pub(super) fn next_ius<'a>(
-        self,
-        nominal: &'a [NominalIu<'a>],
-    ) -> impl Iterator<Item = &'a NominalIu<'a>> {
-        nominal.iter().enumerate().filter(move |(index, _)| self.contains(*index)).map(|(_, iu)| iu)
+    /// The numbers of IUs that may have come, in ascending order: the indices of those that may come next.
+    pub(super) fn iter(self) -> impl Iterator<Item = usize> + Clone {
+        let next = |left: &u64| Some(left & (left - 1));
+        let all = core::iter::successors(Some(self.0), next).take(self.0.count_ones() as usize);
+        all.map(|left| left.trailing_zeros() as usize)
     }
 
     /// Whether exactly this number of IUs has come.
     pub(super) fn is_certainly(self, ius: usize) -> bool {
         self.0 == 1 << ius
-    }
-
-    /// The minimum number of IUs that may have come.
-    pub(super) fn lowest(self) -> Option<usize> {
-        (self.0 != 0).then(|| self.0.trailing_zeros() as usize)
-    }
-
-    /// The indices of the IUs that have this context and may be the newest one.
-    pub(super) fn newest(
-        self,
-        nominal: &[NominalIu<'_>],
-        context: Context,
-    ) -> impl Iterator<Item = usize> + Clone {
-        let is_newest = move |index: &usize| self.contains(index + 1) && nominal[*index].context == context;
-        (0..nominal.len()).filter(is_newest)
     }
 
     /// Exactly this number of IUs has come.
@@ -153,12 +129,18 @@ impl Places {
     /// Whether all IUs have certainly come but for release states, which leave nothing to do.
     pub(super) fn is_at_end(self, nominal: &[NominalIu<'_>]) -> bool {
         let is_over = |ius: usize| nominal[ius..].iter().all(|iu| iu.context.is_release());
-        !self.is_empty() && (0..=nominal.len()).filter(|ius| self.contains(*ius)).all(is_over)
+        !self.is_empty() && self.iter().all(is_over)
     }
 
     /// Whether all IUs may have come, if some may have in as many frames that were hidden since the newest began.
     pub(super) fn may_be_complete(self, nominal: &[NominalIu<'_>], hidden: u32) -> bool {
         self.or_later(hidden, nominal).contains(nominal.len())
+    }
+}
+
+impl FromIterator<usize> for Places {
+    fn from_iter<I: IntoIterator<Item = usize>>(ius: I) -> Self {
+        Self(ius.into_iter().fold(0, |places, ius| places | 1 << ius))
     }
 }
 

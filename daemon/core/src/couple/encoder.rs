@@ -137,7 +137,7 @@ impl Encoder {
 
     /// Fills the frames that are missing before the one that is `steps` after the newest.
     fn fill(&mut self, steps: u64, next_ns: u64, emit: &mut impl FnMut(Couples)) {
-        let max = u64::from(self.scene.blind_frames()) + 1;
+        let max = u64::from(self.scene.blind_frames) + 1;
         let missing = steps - 1;
         let before_ns = self.scene.newest_ns();
         let apart = u128::from(next_ns - before_ns);
@@ -152,14 +152,8 @@ impl Encoder {
         }
     }
 
-    fn push(
-        &mut self,
-        captured_ns: u64,
-        frame: Option<&Frame>,
-        known_ns: u64,
-        emit: &mut impl FnMut(Couples),
-    ) {
-        self.scene.push(captured_ns, frame);
+    fn push(&mut self, at_ns: u64, frame: Option<&Frame>, known_ns: u64, emit: &mut impl FnMut(Couples)) {
+        self.scene.push(at_ns, frame);
         self.pending += 1;
         if self.pending > self.delay {
             self.emit_oldest(known_ns, emit);

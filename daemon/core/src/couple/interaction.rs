@@ -65,7 +65,7 @@ impl Interaction {
 
     /// The interaction in the next frame. `touched` are the edges from the hand, `neighbours` those from an object to others.
     ///
-    /// This is a Dijkstra search from the hand that stops after its second node: `o_j` is the one nearest to the hand, `o_l` the one nearest to `o_j`.
+    /// This is a Dijkstra search from the hand that stops after its second node. `o_j` is the one nearest to the hand, `o_l` the one nearest to `o_j`.
     /// An object remains `o_j` or `o_l` until its edge ends, even if another comes nearer. Of equal distances the lowest index wins.
     pub(super) fn next<E: Iterator<Item = Edge>>(
         self,

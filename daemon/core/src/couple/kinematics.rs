@@ -52,7 +52,7 @@ pub(super) type Sample = (f64, Point);
 
 /// Fits a parabola to the positions around a frame and takes its value and its derivatives in that frame. It is a Savitzky-Golay filter that uses the
 /// time stamps as they are and skips frames without a position. `None` if the positions are too few or too unevenly spread for the precision, or all
-/// lie on one side of the frame: that is not known, and no rest.
+/// lie on one side of the frame.
 pub(super) fn kinematics(
     samples: impl Iterator<Item = Sample> + Clone,
     precision: &Precision,
@@ -124,18 +124,15 @@ impl Parabola {
 }
 
 /// Turns kinematics into the integers of `x_m`.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Quantiser(pub(super) Method);
-
-impl Quantiser {
+impl Method {
     /// Whether this is no motion.
     pub(super) fn is_at_rest(&self, motion: &Kinematics) -> bool {
-        norm(motion.velocity) < self.0.rest_speed_m_s
+        norm(motion.velocity) < self.rest_speed_m_s
     }
 
     /// The sign of the tangential acceleration: -1, 0 or 1. At rest there is no tangent and the sign is 0.
     pub(super) fn sign(&self, motion: &Kinematics) -> i8 {
-        if self.is_at_rest(motion) || motion.tangential.abs() < self.0.dead_band_m_s2 {
+        if self.is_at_rest(motion) || motion.tangential.abs() < self.dead_band_m_s2 {
             0
         } else if motion.tangential > 0.0 {
             1
@@ -159,10 +156,10 @@ impl Quantiser {
             return [0; 2];
         }
         let [x, y, z] = rotated(motion.velocity, inverse(frame));
-        let width = TAU / f32::from(self.0.bins);
+        let width = TAU / f32::from(self.bins);
         let azimuth = libm::atan2f(y, x);
-        let around = libm::floorf((azimuth + PI * 2.0) / width + 0.5) as i32 % i32::from(self.0.bins);
-        let elevation = match self.0.space {
+        let around = libm::floorf((azimuth + PI * 2.0) / width + 0.5) as i32 % i32::from(self.bins);
+        let elevation = match self.space {
             Space::Plane => 0,
             Space::Metric => {
                 let angle = libm::atan2f(z, libm::sqrtf(x * x + y * y)) + FRAC_PI_2;
@@ -178,10 +175,6 @@ impl Quantiser {
 mod tests {
     use super::*;
     use crate::couple::geometry::about_z;
-
-    fn quantiser(space: Space) -> Quantiser {
-        Quantiser(Method { space, ..Method::default() })
-    }
 
     /// The motion at time 0 of something that is at these places on the y axis at these times.
     fn measured(times: impl IntoIterator<Item = f64>, place: impl Fn(f64) -> f64) -> Option<Kinematics> {
@@ -223,34 +216,34 @@ mod tests {
 
     #[test]
     fn directions_are_counted_around_the_circle_from_the_x_axis_of_the_other() {
-        let quantiser = quantiser(Space::Plane);
+        let method = Method::default();
         for bin in 0..8u8 {
             for inside in [-0.49, 0.0, 0.49] {
                 let angle = (f32::from(bin) + inside) * TAU / 8.0;
                 let motion = moving([libm::cosf(angle), libm::sinf(angle), 0.0]);
-                assert_eq!(quantiser.direction(&motion, about_z(0.0)), [0, bin as i8 + 1]);
+                assert_eq!(method.direction(&motion, about_z(0.0)), [0, bin as i8 + 1]);
                 // The other frame is rotated by a quarter: two bins less.
-                assert_eq!(quantiser.direction(&motion, about_z(FRAC_PI_2)), [0, ((bin + 6) % 8) as i8 + 1]);
+                assert_eq!(method.direction(&motion, about_z(FRAC_PI_2)), [0, ((bin + 6) % 8) as i8 + 1]);
             }
         }
     }
 
     #[test]
     fn elevation_runs_from_straight_down_to_straight_up() {
-        let quantiser = quantiser(Space::Metric);
+        let method = Method { space: Space::Metric, ..Method::default() };
         let [down, level, up] = [[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
-            .map(|velocity| quantiser.direction(&moving(velocity), about_z(0.3))[0]);
+            .map(|velocity| method.direction(&moving(velocity), about_z(0.3))[0]);
         assert_eq!([down, level, up], [1, 3, 5]);
     }
 
     #[test]
     fn at_rest_there_is_neither_direction_nor_sign_and_opposite_signs_are_no_joint_motion() {
-        let quantiser = quantiser(Space::Metric);
+        let method = Method { space: Space::Metric, ..Method::default() };
         let slow = Kinematics { tangential: 9.0, ..moving([0.02, 0.0, 0.0]) };
-        assert_eq!((quantiser.direction(&slow, about_z(0.0)), quantiser.sign(&slow)), ([0, 0], 0));
+        assert_eq!((method.direction(&slow, about_z(0.0)), method.sign(&slow)), ([0, 0], 0));
         let [slower, steady, faster] =
             [-1.0, 0.0, 1.0].map(|tangential| Kinematics { tangential, ..moving([1.0, 0.0, 0.0]) });
-        let joint = [faster, slower, steady].map(|other| quantiser.joint_motion(&faster, &other));
+        let joint = [faster, slower, steady].map(|other| method.joint_motion(&faster, &other));
         assert_eq!(joint, [1, 0, 0]);
     }
 }

@@ -46,14 +46,14 @@ const UNCERTAIN_FRAMES: f32 = 30.0;
 
 /// More than this is motion, not drift, in metres, while a change is believed and while the hands rest. A tracker that drifts more cannot resolve a
 /// contact. Halved, 153 of 3,700 drawn streams differ, and 41 doubled.
-const MAX_DRIFT_M: f32 = 0.03;
+pub(super) const MAX_DRIFT_M: f32 = 0.03;
 
 /// Squares of the drift are clipped at this multiple of their mean. In the plane one in 8,000 exceeds it, and so does a part that is moved unseen.
 /// Halved, doubled or without it, none of 975 runs of people is judged otherwise.
 const CLIP_AT_MEANS: f32 = 9.0;
 
-/// The bound of how far apart jitter lets two positions of an object at rest seem, in metres, from `positions`, one per frame, `None` where not known.
-/// It is 0 where too few in a row are known to tell.
+/// The bound of how far apart jitter lets two positions of an object at rest seem, in metres. It comes from these `positions`, one per frame, and is 0
+/// where too few in a row are known to tell.
 ///
 /// In third differences the motion of a hand leaves next to nothing: two strokes of 7 cm per second leave 0.2 mm. One position that is misread is in
 /// four of them, which count no more than large errors do.
@@ -126,11 +126,6 @@ impl Drift {
     /// As [`jitter_bound_m`]; `None` where it has not been seen to lie still for long enough.
     pub(super) fn bound_m(&self) -> Option<f32> {
         self.known.bound_m()
-    }
-
-    /// The same where nobody may be wronged: the maximum where it is not known.
-    pub(super) fn max_bound_m(&self) -> f32 {
-        self.bound_m().unwrap_or(MAX_DRIFT_M)
     }
 }
 

@@ -1,14 +1,14 @@
 //! The local cost of two motions as an integer.
 //!
-//! The paper divides `X` by its ranges into `[0, 1]`, which is the cost `normalised`. A stroke in the wrong direction then hardly counts: 310 of 350 `J1`
-//! are missed on one simulator and 216 of 350 on the other. The default is `circular`.
+//! The paper divides `X` by its ranges into `[0, 1]`, which is the cost `normalised`. A stroke in the wrong direction then hardly counts. So 310 of 350
+//! `J1` are missed on one simulator and 216 of 350 on the other. The default is `circular`.
 
 use crate::couple::Motion;
 use crate::job::LocalCost;
 use core::f64::consts::TAU;
 
-/// Maximum local cost: the sum of `IU_FRAMES` of them, the longest shortest path to a cell, is still below [`UNREACHED`], so that no sum wraps. It never
-/// changes an ordinal cost (at most 7 * 255²), and another one only if a feature is far out of range.
+/// Maximum local cost. The sum of `IU_FRAMES` of them, the longest shortest path to a cell, is still below [`UNREACHED`]: no sum wraps. It never changes
+/// an ordinal cost (at most 7 * 255²), and another one only if a feature is far out of range.
 const COST_CAP: i32 = (1 << 20) - 1;
 
 /// Sums start here. That leaves 0 for cells that are not reached, which is the value that the shifts of the SIMD path fill in.
@@ -34,8 +34,8 @@ const MAX_BINS: u8 = i8::MAX as u8;
 ///
 /// Ordinal costs are integers already (scale 1). Normalised costs are multiples of 1/4 (`a_h` has the range 2) and of 1/N² (directions have the range
 /// N). So they are exact at the scale 4N², or N² if that is a multiple of 4. A circular cost is `2 - 2 cos(k 2π/N)` between directions that are `k`
-/// bins apart, and 1 between a direction and rest. It is rounded at a scale that makes the relative error of every cost at most 1e-5: for N = 8 at 408,
-/// because 408 √2 = 576.999. That of the minimum sum along a warping path is no greater, and that of the distance half of it.
+/// bins apart, and 1 between a direction and rest. It is rounded at a scale that makes the relative error of every cost at most 1e-5. For N = 8 that is
+/// 408, because 408 √2 = 576.999. That of the minimum sum along a warping path is no greater, and that of the distance half of it.
 #[derive(Clone, Debug)]
 pub(super) struct IntegerCosts {
     /// Units of a cost of 1.

@@ -1,8 +1,8 @@
 //! The opening-closing filter on `x_m` inside an IU, as a stream.
 //!
 //! An opening is an erosion followed by a dilation, a closing a dilation followed by an erosion. The two dilations in the middle equal one of twice
-//! the reach. So with a window of `2h + 1` frames the filter is an erosion, a dilation and an erosion, over `h`, `2h` and `h` frames to each side. Its
-//! output is `4h` frames late; the rest is flushed when the IU ends.
+//! the reach. So with a window of `2h + 1` frames the filter is an erosion, a dilation and an erosion. They reach over `h`, `2h` and `h` frames to each
+//! side. Its output is `4h` frames late; the rest is flushed when the IU ends.
 
 use crate::capacity::FILTER_FRAMES;
 use crate::couple::Motion;

@@ -51,7 +51,7 @@ pub struct Segmenter {
     /// The context of the newest couple.
     context: Context,
     iu: Option<OpenIu>,
-    /// The newest IU that has ended; and that one if it is not over, so that a touch in its context goes on with it.
+    /// The newest IU that has ended. That one, if it is not over, so that a touch in its context goes on with it.
     ended: Option<OpenIu>,
     interrupted: Option<OpenIu>,
     /// The way of the hand with `o_j`, which ends where that leaves the `o_l` that it came to, and the way that begins there.

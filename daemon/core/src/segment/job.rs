@@ -31,8 +31,8 @@ enum Between {
 /// Segments the couples of both hands. Each hand has its own activities; both share the job.
 ///
 /// A job begins with the first touch or on command. It ends on command, and once [`job_matched`](Self::job_matched) was set, with the touch that begins
-/// the next job. It also ends after a *pause*, when no hand has been seen for `idle_end_ms`, if it is matched or if objects have moved meanwhile; else
-/// it goes on when the worker is back. Frames that are missing are no pause, and one shows that the next job has not begun only while the bench is seen.
+/// the next job. It also ends after a *pause*, when no hand has been seen for `idle_end_ms`, if it is matched or if objects have moved meanwhile. Else it
+/// goes on when the worker is back. Frames that are missing are no pause, and one shows that the next job has not begun only while the bench is seen.
 #[derive(Clone, Debug)]
 pub struct JobSegmenter {
     hands: [Segmenter; HANDS],

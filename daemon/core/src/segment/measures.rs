@@ -32,7 +32,7 @@ pub struct Measures {
     /// How much longer the path is than the straight way from its beginning to where it is now, in metres. It never becomes less.
     pub detour_m: f32,
     /// The lateral deviation so far, in metres: how far off the straight line the way of the hand on the bench has led. The way begins where the hand
-    /// took `o_j`, or came with it to the `o_l` that it has left, and ends with the time at the next one. It never becomes less.
+    /// took `o_j`, or came with it to the `o_l` that it has left. Until it ends, with the time at the next one, it never becomes less.
     pub lateral_m: f32,
     /// In how many frames just before that way the hand was not seen.
     pub unseen_before_way: u32,
@@ -45,8 +45,8 @@ pub struct Measures {
     pub hidden_reversals: u32,
     /// How often it may have reversed in addition: it was seen to come back, and how far was in a frame that is missing.
     pub cut_reversals: u32,
-    /// By how much the strokes before reversals may have been longer in addition, and those behind them as well, in metres: where the frame just before
-    /// or behind the farthest one that was seen is missing, by the pace beside it, and 15 mm at most.
+    /// By how much the strokes before reversals may have been longer in addition, and those behind them as well, in metres. That is so where the frame
+    /// just before or behind the farthest one that was seen is missing. The pace beside it bounds it, and it counts for 15 mm at most.
     pub cut_m: f32,
     /// The share of the frames that were not seen, where what happened in them cannot be known; 0 to 1.
     pub hidden: f32,
@@ -73,7 +73,7 @@ enum Gap {
     Beside(Beyond),
 }
 
-/// Frames that are missing beside the farthest position, and how far the motion went in the frame before them and in the one behind them, in metres.
+/// Frames that are missing beside the farthest position. How far the motion went in the frame before them and in the one behind them, in metres.
 #[derive(Clone, Copy, Debug, Default)]
 struct Beyond {
     frames: u32,

@@ -1,4 +1,4 @@
-//! How far a hand goes round on its way with a part. A detour that is spread over the whole way makes it hardly longer: by the largest distance from
+//! How far a hand goes round on its way with a part. A detour that is spread over the whole way makes it hardly longer. By the largest distance from
 //! the straight line it is found in 29 of 30 ways, without it in 7.
 
 use super::measures::MOVED_M;
@@ -18,7 +18,7 @@ pub(super) struct Way {
     spacing_m: f32,
     /// Where the newest step ended.
     step: Point,
-    /// The maximum distance in metres that a point of it had, at any time, from the line between its begin and where the hand was then.
+    /// The maximum distance in metres that a point of it had from the line between its begin and where the hand was then.
     pub(super) lateral_m: f32,
     /// In how many frames just before its first point the hand was not seen.
     pub(super) unseen_before: u32,

@@ -16,13 +16,8 @@ impl Progress<'_> {
         self.unwatched = self.unwatched.saturating_add(frames - u32::from(is_watched));
     }
 
-    /// A hand is seen to do a step of the job: from here on the piece is the same while it is watched.
-    pub(crate) fn see_step(&mut self) {
-        self.unwatched = 0;
-    }
-
-    /// A hand begins the IU with this number of one of these nominal activities. It may belong to another piece than what came before if nobody watched
-    /// for as long as the quickest run needs to end this piece and to come to it in another. That may be out of order, so nothing has to come before.
+    /// A hand begins the IU with this number of one of these nominal activities. It may belong to another piece than what came before. For that, nobody
+    /// watched for as long as the quickest run needs to end this piece and to come to it in another, in any order.
     pub(crate) fn note_another_piece(&mut self, side: Side, nominal: ActivitySet, ius: usize) {
         let fits = |nominal: &NominalActivity<'_>| self.unwatched >= self.exchange(side, nominal, ius);
         let all = self.job.activities;

@@ -125,17 +125,17 @@ pub(super) struct Progress<'a> {
     state: JobState,
     /// The activities that may have come unseen since the last job ended.
     unseen: ActivitySet,
-    /// Activities that the newest frame shows not to have been done, and those that one between the last job and the first touch of this one has.
+    /// Activities that the newest frame shows not to have been done. Then those that one before the first touch of this job has shown so.
     seen_undone: ActivitySet,
     undone_first: ActivitySet,
     /// The activities that use an object which has not been seen since the last job ended or the encoder started. `None` before the first frame.
-    never_seen: Option<ActivitySet>,
+    pub(super) never_seen: Option<ActivitySet>,
     /// The activities that use an object which is out of sight in the newest couples.
     out_of_sight: ActivitySet,
     /// The id of such an object while activities may have been done with it unseen, or 0.
     overlooked_object: u16,
     /// For how many frames nobody has watched since a hand was last seen to act.
-    unwatched: u32,
+    pub(super) unwatched: u32,
     /// For each hand, what has been missed since then.
     occlusions: [OcclusionLog; HANDS],
     /// What the newest frame has brought, in its order, until the judge tells it.
@@ -226,7 +226,7 @@ impl<'a> Progress<'a> {
         self.seen_undone.without(self.state.left)
     }
 
-    /// Whether the bench has been set for the next piece: a part that a judged activity moves for good lies again where the job began, and so does all
+    /// Whether the bench has been set for the next piece. A part that a judged activity moves for good lies again where the job began, and so does all
     /// that lay there then.
     pub(super) fn is_reset(&self) -> bool {
         let is_back = self.seen_undone & self.state.left;
@@ -288,13 +288,9 @@ impl<'a> Progress<'a> {
         self.unseen |= self.activities_with(|ius| ius.iter().any(|iu| iu.context.0[1] == object));
     }
 
-    /// An activity was seen to begin with this context, or from there to its end. The job has begun with it if it is one of the job's first.
-    pub(super) fn set_start_seen(&mut self, number: u16, context: Context) {
-        self.begin_seen_with(number, self.opening(context));
-    }
-
-    /// The activity with this number is one of these. If it is the first that came, and one with which a job begins, the start was seen.
-    fn begin_seen_with(&mut self, number: u16, activities: ActivitySet) {
+    /// The activity with this number, which was seen to begin or to its end, is one of these. If it is the first that came, and one with which a job
+    /// begins, the start was seen.
+    pub(super) fn begin_seen_with(&mut self, number: u16, activities: ActivitySet) {
         if self.state.first_step() == Some(number)
             && activities.intersects(self.first())
             && !self.state.is_start_seen
@@ -306,7 +302,7 @@ impl<'a> Progress<'a> {
     }
 
     /// The activities that begin with the hand and object of this context.
-    fn opening(&self, context: Context) -> ActivitySet {
+    pub(super) fn opening(&self, context: Context) -> ActivitySet {
         let opening = |context: Context| [context.0[0], context.0[1]];
         self.activities_with(|ius| ius.first().map(|iu| opening(iu.context)) == Some(opening(context)))
     }
@@ -317,7 +313,7 @@ impl<'a> Progress<'a> {
         all.map(|nominal| usize::from(nominal.activity)).collect()
     }
 
-    /// The hand that was shown to begin an activity with this context: this one, or the other one if its activity there is still to come.
+    /// The hand that was shown to begin an activity with this context. It is this one, or the other one if its activity there is still to come.
     pub(super) fn shown_hand(&self, side: Side, context: Context) -> Option<Side> {
         let other = side.other();
         let of_other = self.opening(context.by_hand(other));
@@ -330,8 +326,8 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Whether a touch in this context may be a passive contact: the runs have such contacts with its part, or with the other one where the hand was
-    /// not seen to come, and no required activity begins so.
+    /// Whether a touch in this context may be a passive contact, as the runs have with its part, and no required activity begins so. A hand that was
+    /// not seen to come may touch the other part.
     pub(super) fn may_be_passive(&self, context: Context, has_been_seen_to_come: bool) -> bool {
         let opening = self.opening(context);
         let parts = if has_been_seen_to_come { &context.0[1..2] } else { &context.0[1..] };

@@ -1,6 +1,6 @@
 //! Where one job ends and the next one begins.
 //!
-//! A job that breaks off, as where `enable` is switched off or a source starts again, accuses nobody of what is missing: the piece may be completed.
+//! A job that breaks off, as where `enable` is switched off, accuses nobody of what is missing: the piece may be completed.
 //! In a job without any order a repeated activity begins the next job. If it were a fault, the next correct piece would be accused after one that was
 //! not completed.
 
@@ -11,10 +11,10 @@ use crate::set::ActivitySet;
 
 impl Progress<'_> {
     /// Whether an activity that begins with this couple belongs to the next job. It has been done already, and none that is left begins like it.
-    /// Where the job has an order, only one of its first activities begins a job, after others have come or the bench was rearranged; else it is done
+    /// Where the job has an order, only one of its first activities begins a job. Others have come before, or the bench was rearranged; else it is done
     /// twice. A bench that is set as it was at first is that of the next piece. A job whose start was not seen ends wherever a first activity begins
-    /// that may have come before. One with a fault also ends where the bench is rearranged: if something was done instead of an activity, its end has no
-    /// other sign. Takes note of an end that is only assumed, as where the hand may only go on with what it did before a doubt.
+    /// that may have come before. One with a fault also ends where the bench is rearranged. Where something was done instead, its end has no other sign.
+    /// Takes note of an end that is only assumed, as where the hand may only go on with what it did before a doubt.
     pub(crate) fn begins_next_job(&mut self, couple: &Couple, is_disturbed: bool, may_go_on: bool) -> bool {
         let Couple { side, context, .. } = *couple;
         if self.is_concluded() || self.state.activities == 0 || self.is_unfinished_by_others(side) {

@@ -108,7 +108,8 @@ impl Progress<'_> {
         })
     }
 
-    /// What the other hand was seen to begin after this one had begun its activity: by more than it takes to believe a change, unless it has to have ended.
+    /// What the other hand was seen to begin after this one had begun its activity. What has to have begun may have done so as much earlier as it takes
+    /// to believe a change.
     fn begun_after(&self, side: Side, law: &Law) -> ActivitySet {
         let other = side.other().index();
         let [ns, other_ns] = [self.state.begins[side.index()].ns, self.state.begins[other].seen_ns];
@@ -144,9 +145,8 @@ impl Progress<'_> {
         BrokenOrder { fault, activity: other as u16, runs }
     }
 
-    /// Whether all that is left may have come unseen, so that what comes again, or late, belongs to the next job. A job is assumed to have begun with the
-    /// first activity that was seen, if it is one with which a job begins, and both hands to be at the same piece. So 17 of 19 faults of real people are
-    /// found, and else 15.
+    /// Whether all that is left may have come unseen, so that what comes again, or late, belongs to the next job. It is assumed that a job began with the
+    /// first activity that was seen, if one may. Both hands are assumed to be at the same piece. So 17 of 19 faults of real people are found, and else 15.
     fn may_be_next_job(&self, side: Side) -> bool {
         let left = self.state.required.without(self.state.begins[side.index()].came);
         let possibly = if self.state.is_start_seen { self.unseen } else { self.possibly() };

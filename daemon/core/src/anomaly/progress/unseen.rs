@@ -40,11 +40,6 @@ impl Progress<'_> {
         }
     }
 
-    /// What was seen of the objects is forgotten, as by an encoder that has started again.
-    pub(crate) fn forget_seen(&mut self) {
-        self.never_seen = None;
-    }
-
     /// All that was done in the job was done by a hand that was not seen, or was not seen to act.
     pub(crate) fn set_unseen(&mut self) {
         self.state.left = self.all;
@@ -96,16 +91,12 @@ impl Progress<'_> {
     /// Why too little is known of the job: what was occluded or never came, or else its beginning.
     pub(crate) fn unseen_cause(&self) -> Cause {
         let beginning = if self.state.is_start_seen { Reason::Blind } else { Reason::BeginningNotSeen };
-        OcclusionLog::main_cause(&self.occlusions, self.job.min_captured, self.persist_frames)
-            .or(self.state.carried_on_cause)
-            .unwrap_or(beginning.into())
+        self.main_cause().or(self.state.carried_on_cause).unwrap_or(beginning.into())
     }
 
-    /// Why what came may belong to two jobs: what was done is undone again, as the bench shows, and not all was seen.
-    pub(super) fn mixed_cause(&self) -> Option<Cause> {
-        let is_undone_again = self.seen_undone.intersects(self.state.done);
-        is_undone_again
-            .then(|| OcclusionLog::main_cause(&self.occlusions, self.job.min_captured, self.persist_frames))?
+    /// What was occluded or never came, if that is much.
+    pub(super) fn main_cause(&self) -> Option<Cause> {
+        OcclusionLog::main_cause(&self.occlusions, self.job.min_captured, self.persist_frames)
     }
 
     /// Why it is not known who moved objects: what was occluded or never came, or else that no hand was seen at them.

@@ -114,7 +114,8 @@ impl Scene {
                     let (apart_m, contact) = (apart(one, other, planar), contact_of(one.0, other.0, usual));
                     edge.push(apart_m, &contact, persist);
                     let rest = || rest_together([i, j].map(|object| &self.objects[object]), persist, rest_m);
-                    if !edge.is_known() && apart_m < contact.middle_m() && rest() {
+                    let middle_m = f32::midpoint(contact.on_m, contact.off_m);
+                    if !edge.is_known() && apart_m < middle_m && rest() {
                         edge.settle(persist);
                     }
                 } else {
@@ -190,7 +191,7 @@ fn contact_of(one: &Shape, other: &Shape, usual: &Contact) -> Contact {
     place_of(one, other).map_or(*usual, |(place, _)| place.contact)
 }
 
-/// Whether two objects with these positions and radii may meet where this is the usual contact: the radius holds what a learnt one reaches beyond it.
+/// Whether two objects with these positions and radii may meet. The radius holds what a learnt contact reaches beyond the usual one.
 fn are_in_reach(one: (Point, f32), other: (Point, f32), usual: &Contact) -> bool {
     let reach = one.1 + other.1 + usual.off_m;
     squared_distance(one.0, other.0) <= reach * reach

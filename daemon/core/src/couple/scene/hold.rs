@@ -1,4 +1,4 @@
-//! Where a hand is that rests at what it has moved: markers show it more exactly than the landmarks of a hand, which would seem to make strokes.
+//! Where a hand is that rests at what it has moved. Markers show it more exactly than the landmarks of a hand, which would seem to make strokes.
 
 use super::super::geometry::{add, rotated, subtract};
 use super::super::poses::{HandPose, ObjectPose, Source};

@@ -8,8 +8,8 @@
 //! After it has let go, a hand that rests there again makes no new contact until the part moves with it. A tracker with errors of 1 or 2 mm
 //! would else see the step begin once more.
 //!
-//! People hold an object elsewhere than others did. One that moves with one hand alone is in that hand if the finger tips are near enough: a hand's
-//! width from where the runs hold it, or within reach where no run shows it.
+//! People hold an object elsewhere than others did. One that moves with one hand alone is in that hand if the finger tips are near enough. That is a
+//! hand's width from where the runs hold it, or within reach where no run shows it.
 
 use super::super::geometry::{distance, dot, norm, subtract};
 use super::super::poses::Source;
@@ -87,8 +87,12 @@ impl Scene {
             return InHand::Yes;
         }
         if before == InHand::Yes {
-            let stays =
-                (edge.is_believed() || self.follows(hand, object, age)) && !self.leaves(hand, object, age);
+            // It moves away, so that it is not at the object any more when a change would be believed.
+            let leaves = || {
+                let away_m = self.moves_away(hand, object, age);
+                away_m.is_some_and(|away_m| away_m > self.hand_contact(object).on_m)
+            };
+            let stays = (edge.is_believed() || self.follows(hand, object, age)) && !leaves();
             return match (stays, edge.is_believed()) {
                 (true, _) => InHand::Yes,
                 (false, true) => InHand::Lingers { farthest_m: 0.0 },
@@ -113,7 +117,7 @@ impl Scene {
         }
     }
 
-    /// Whether the object moves with this hand alone, which acts on nothing else; the other hand acts neither on this nor on what this touches. `None`
+    /// Whether the object moves with this hand alone, which acts on nothing else. The other hand acts neither on this nor on what this touches. `None`
     /// where it may be the other hand that moves it.
     fn leads(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
         let other_hand = 1 - hand;
@@ -249,7 +253,7 @@ impl Scene {
     }
 
     /// Whether the object moves with a hand at it, or the hand rests relative to it up to the end of the window. `None` where that was not measured.
-    /// If the hand rests relative to one object, it also rests relative to each at which it is and that rests relative to this one.
+    /// If the hand rests relative to one object, it also rests relative to each at it that rests relative to this one.
     pub(super) fn rests(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
         if !self.is_at(hand, object, age) {
             return Some(false);
@@ -290,7 +294,7 @@ impl Scene {
             let is_known = hand.source == Source::Seen && object.source.is_known();
             is_known.then(|| subtract(hand.middle_knuckle, object.position))
         };
-        self.kinematics(age, apart).is_some_and(|motion| self.quantiser.is_at_rest(&motion))
+        self.kinematics(age, apart).is_some_and(|motion| self.method.is_at_rest(&motion))
             && self.moved(age, apart).is_some_and(|(_, path_m)| path_m <= self.rest_m())
     }
 
@@ -302,11 +306,6 @@ impl Scene {
     /// How far something may move while a change is believed and still be at rest, in metres.
     pub(super) fn rest_m(&self) -> f32 {
         self.method.rest_speed_m_s * f32::from(self.method.persist_frames) / self.method.rate_hz
-    }
-
-    /// Whether the hand moves away from the object, so that it is not at it any more when a change would be believed.
-    fn leaves(&self, hand: usize, object: usize, age: usize) -> bool {
-        self.moves_away(hand, object, age).is_some_and(|distance| distance > self.hand_contact(object).on_m)
     }
 
     /// The distance from hand to object at the end of the window, in metres, if the hand moves away and the object stays.
@@ -332,14 +331,14 @@ impl Scene {
         jitter_m.max(SQRT_2 * self.drift_m(object))
     }
 
-    /// A hand that has moved this far along an object or away from it, in metres, does not hold it: half of the contact distance. With a quarter 114 of
-    /// 3,700 drawn streams differ, and 157 with all.
+    /// A hand that has moved this far along an object or away from it, in metres, does not hold it. With a quarter of the contact distance 114 of 3,700
+    /// drawn streams differ, and 157 with all.
     fn slipped_m(&self) -> f32 {
         self.method.hand_contact.on_m / 2.0
     }
 
-    /// Whether the object moves with the hand: more than half as far as they move apart, as two hands do not hold a part stiffly, and the hand over a
-    /// quarter of its way. The first share halved or doubled, 32 or 31 of 3,700 drawn streams differ, and 50 or 52 of the second one.
+    /// Whether the object moves with the hand: more than half as far as they move apart, and the hand over a quarter of its way. Two hands do not hold a
+    /// part stiffly. The first share halved or doubled, 32 or 31 of 3,700 drawn streams differ, and 50 or 52 of the second one.
     fn follows(&self, hand: usize, object: usize, age: usize) -> bool {
         self.relative_path(hand, object, age).is_some_and(|(newest, path_m)| {
             let (hands, poses) = (&self.hands[hand], &self.objects[object].poses);
@@ -352,7 +351,7 @@ impl Scene {
         })
     }
 
-    /// The speed of the finger tips relative to the object, in m/s, in the bench frame or that of the object, which may turn without meaning: the less.
+    /// The speed of the finger tips relative to the object, in m/s. It is the less of those in the bench frame and in that of the object.
     fn relative_speed(&self, hand: usize, object: usize, age: usize) -> Option<f32> {
         let speed_in = |frame: usize| {
             let motion =
@@ -362,8 +361,8 @@ impl Scene {
         Some(f32::min(speed_in(0)?, speed_in(1)?))
     }
 
-    /// The age of the window's last known frame, and how far the finger tips have moved relative to the object from this frame until then, in metres. It
-    /// is in the bench frame or that of the object, whichever is less.
+    /// The age of the window's last known frame, and how far the finger tips have moved relative to the object until then, in metres. It is in the bench
+    /// frame or that of the object, whichever is less.
     fn relative_path(&self, hand: usize, object: usize, age: usize) -> Option<(usize, f32)> {
         let positions = |age: usize| self.relative_positions(hand, object, age);
         let mut ages = age..=age + usize::from(self.method.persist_frames);

@@ -33,11 +33,6 @@ impl Scene {
         }
     }
 
-    /// How far apart two positions of an object, or of one in the frame of another, may be by drift, in metres. Finger tips err at least so.
-    pub(super) fn pair_drift_m(&self, j: usize, l: Option<usize>) -> f32 {
-        libm::hypotf(self.drift_m(j), l.map_or(0.0, |l| self.drift_m(l)))
-    }
-
     /// How far an object at rest seems to move at most while a change is believed, in metres. 0 where that is not known.
     pub(super) fn drift_m(&self, object: usize) -> f32 {
         self.objects[object].drift.bound_m().unwrap_or_default()

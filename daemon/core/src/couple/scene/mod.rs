@@ -13,7 +13,7 @@ mod waiting;
 use super::contact::Edge;
 use super::geometry::squared_distance;
 use super::interaction::{self, Interaction};
-use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
+use super::kinematics::{Kinematics, Precision, Sample, kinematics};
 use super::noise::{Drift, MOVED_M, has_moved, jitter_bound_m};
 use super::poses::{Grip, HandPose, ObjectPose, REMEMBERED, Recent, Source, UPRIGHT};
 use super::{Context, Couple, Couples, Motion, Unseen, Visibility, Waiting};
@@ -70,11 +70,10 @@ impl Node {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scene {
     method: Method,
-    quantiser: Quantiser,
     /// A hand or object that has not been seen for more frames than this is out of sight (`blind_ms`).
-    blind_frames: u32,
-    /// Motion is measured by positions within this time of the frame, in seconds: the window and half of it for jitter, and nothing behind a gap. With
-    /// all positions 4 of 3,700 drawn streams differ, and 30 without the jitter.
+    pub(super) blind_frames: u32,
+    /// Motion is measured by positions within this time of the frame, in seconds. It is the window, and half of it for jitter; behind a gap is nothing.
+    /// With all positions 4 of 3,700 drawn streams differ, and 30 without the jitter.
     window_s: f64,
     precision: Precision,
     times_ns: Recent<u64>,
@@ -121,8 +120,8 @@ pub(super) struct Scene {
     holds: [Option<Hold>; HANDS],
     /// For how many frames each has been what it is.
     lasted: [u32; HANDS],
-    /// What was not seen when each began: [`Unseen::CHANGE`] of the end of the one before or of whether its two objects touch, [`Unseen::ARRIVAL`] and
-    /// [`Unseen::MOVE`].
+    /// What was not seen when each began: [`Unseen::CHANGE`], [`Unseen::ARRIVAL`] and [`Unseen::MOVE`]. The first is the end of the one before, or
+    /// whether its two objects touch.
     began: [Unseen; HANDS],
 }
 
@@ -134,7 +133,6 @@ impl Scene {
         objects.sort_unstable_by_key(|node| node.shape.id);
         Self {
             method,
-            quantiser: Quantiser(method),
             // At most a minute of 240 Hz, see `Method::check`.
             blind_frames: libm::ceil(f64::from(method.blind_ms) * f64::from(method.rate_hz) / 1000.0) as u32,
             precision: Precision::new(&method),
@@ -148,11 +146,6 @@ impl Scene {
     pub(super) fn clear(&mut self) {
         let objects = self.objects.iter().map(|node| Node::new(node.shape.clone())).collect();
         *self = Self { objects, ..Self::new(self.method, &[]) };
-    }
-
-    /// After how many frames a hand or object that is not seen is out of sight.
-    pub(super) fn blind_frames(&self) -> u32 {
-        self.blind_frames
     }
 
     /// The time of the newest frame, in nanoseconds.
@@ -284,7 +277,7 @@ impl Scene {
                     | Unseen::ARRIVAL.when(involved.iter().any(|object| self.is_new(object, age)))
                     | Unseen::MOVE.when(is_displaced);
             }
-            self.update_alternatives(hand, before.held(), interaction.held(), age);
+            self.update_alternatives(hand, before, age);
             let mut couple = self.couple(hand, interaction, age);
             // Nobody saw when the hand ended what it did before, so it may be doing already what comes after this.
             let is_assumed =
@@ -329,7 +322,11 @@ impl Scene {
     fn couple(&self, hand: usize, interaction: Interaction, age: usize) -> Couple {
         let pose = self.hands[hand].ago(age);
         let (j, l) = (interaction.held(), interaction.pair().map(|(_, l)| l));
-        let visibility = |object: usize| self.object_visibility(self.objects[object].poses.ago(age));
+        let visibility = |object: usize| match self.objects[object].poses.ago(age) {
+            // What a seen hand carries goes with it for longer: how it is seen again shows whether it did.
+            pose if self.is_carried(pose) => Visibility::Assumed,
+            pose => self.visibility(pose.unseen),
+        };
         let [of_j, of_l] = [j, l].map(|object| object.map_or(Visibility::Seen, visibility));
         let from_hand = j.filter(|j| interaction.acts_on(*j));
         let (h, id) = (Side::ALL[hand] as u16, |object: usize| self.objects[object].shape.id);
@@ -339,7 +336,7 @@ impl Scene {
         let mut couple = Couple {
             side: Side::ALL[hand],
             captured_ns: *self.times_ns.ago(age),
-            motion: self.motion(hand, from_hand, interaction.pair(), age).filter(|_| is_known),
+            motion: self.motion(hand, interaction, age).filter(|_| is_known),
             context: match interaction {
                 Interaction::Idle => Context::IDLE,
                 Interaction::Acts { j, l: None } => Context([h, id(j), 0, 0]),
@@ -350,7 +347,8 @@ impl Scene {
                 .filter(|_| is_known)
                 .and_then(|j| l.map_or(tips, |l| self.position(j, l, age))),
             tips,
-            drift_m: from_hand.map_or(0.0, |j| self.pair_drift_m(j, l)),
+            drift_m: from_hand
+                .map_or(0.0, |j| libm::hypotf(self.drift_m(j), l.map_or(0.0, |l| self.drift_m(l)))),
             distances: [
                 from_hand.map_or(f32::INFINITY, |j| self.distance_from_hand(hand, j, age)),
                 interaction.pair().map_or(f32::INFINITY, |(j, l)| self.distance_of_objects(j, l, age)),
@@ -389,8 +387,8 @@ impl Scene {
         })
     }
 
-    /// A position in the frame of this age. Where one frame alone is too inexact, it is that of the parabola through the frames around it, unless the
-    /// motion is too quick for one: these are farther off it than their errors.
+    /// A position in the frame of this age. Where one frame alone is too inexact, it is that of the parabola through the frames around it. If these are
+    /// farther off it than their errors, the motion is too quick for one.
     fn steady(&self, age: usize, known: impl Fn(usize) -> Option<Point> + Copy) -> Option<Point> {
         let seen = known(age)?;
         let jitter_m = jitter_bound_m(self.around(age).map(known));
@@ -403,29 +401,19 @@ impl Scene {
     }
 
     /// `x_m` of a hand that acts on an object and of a pair of objects that touch each other. `None` where any of it was not measured.
-    fn motion(
-        &self,
-        hand: usize,
-        acts_on: Option<usize>,
-        pair: Option<(usize, usize)>,
-        age: usize,
-    ) -> Option<Motion> {
+    fn motion(&self, hand: usize, interaction: Interaction, age: usize) -> Option<Motion> {
         let mut motion = Motion::default();
         let axes = |object: usize| self.objects[object].poses.ago(age).orientation;
-        if let Some(j) = acts_on {
+        if let Interaction::Acts { j, .. } = interaction {
             let [of_hand, of_j] = [self.hand_kinematics(hand, age)?, self.object_kinematics(j, age)?];
-            let [elevation, azimuth] = self.quantiser.direction(&of_hand, axes(j));
-            motion.0[0] = self.quantiser.sign(&of_hand);
-            motion.0[1..4].copy_from_slice(&[
-                elevation,
-                azimuth,
-                self.quantiser.joint_motion(&of_hand, &of_j),
-            ]);
+            let [elevation, azimuth] = self.method.direction(&of_hand, axes(j));
+            motion.0[0] = self.method.sign(&of_hand);
+            motion.0[1..4].copy_from_slice(&[elevation, azimuth, self.method.joint_motion(&of_hand, &of_j)]);
         }
-        if let Some((j, l)) = pair {
+        if let Some((j, l)) = interaction.pair() {
             let [of_j, of_l] = [self.object_kinematics(j, age)?, self.object_kinematics(l, age)?];
-            let [elevation, azimuth] = self.quantiser.direction(&of_j, axes(l));
-            motion.0[4..7].copy_from_slice(&[elevation, azimuth, self.quantiser.joint_motion(&of_j, &of_l)]);
+            let [elevation, azimuth] = self.method.direction(&of_j, axes(l));
+            motion.0[4..7].copy_from_slice(&[elevation, azimuth, self.method.joint_motion(&of_j, &of_l)]);
         }
         Some(motion)
     }

@@ -4,7 +4,7 @@ use super::super::Visibility;
 use super::super::contact;
 use super::super::geometry::distance;
 use super::super::interaction::Interaction;
-use super::super::noise::{MOVED_M, has_moved};
+use super::super::noise::{MAX_DRIFT_M, MOVED_M, has_moved};
 use super::super::poses::{HandPose, ObjectPose, Recent, Source};
 use super::in_hand::ObjectContact;
 use super::{Node, Scene, squared_distance};
@@ -16,8 +16,8 @@ use crate::set::ObjectSet;
 /// twice 40 of 3,700 drawn streams differ, and 26 with four times.
 const CARRIED_BLIND_TIMES: u32 = 3;
 
-/// The places at which an object was seen lately. Where that is so seldom that no motion of it is measured, a hand that takes it and puts it down between
-/// two glimpses is not seen to act on it.
+/// The places at which an object was seen lately, so seldom that no motion of it is measured. A hand that takes it and puts it down between two glimpses
+/// is not seen to act on it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Glimpses {
     /// Where it was seen last, and frames since then.
@@ -28,8 +28,8 @@ pub(super) struct Glimpses {
 }
 
 impl Glimpses {
-    /// Takes where the object is seen in the newest frame, or `None`. Says whether it is carried about unmeasured: it has been elsewhere at two glimpses
-    /// in a row, each more than `persist` and at most `blind` frames after the one before. What was only exchanged unseen has been elsewhere once.
+    /// Takes where the object is seen in the newest frame. Says whether it is carried about unmeasured. For that, it has been elsewhere at two glimpses
+    /// in a row, each more than `persist` and at most `blind` frames after the last. What was only exchanged unseen has been elsewhere once.
     fn push(&mut self, seen: Option<Point>, persist: u32, blind: u32) -> bool {
         self.unseen = self.unseen.saturating_add(1);
         let Some(place) = seen else { return false };
@@ -93,9 +93,9 @@ impl Scene {
         is_any
     }
 
-    /// Whether a hand that is not seen carries an object: it moves in both of the last two windows, and no hand is seen at it. A part that is put in
-    /// place while the camera is covered moves in neither, and one that is misread is back where it was. Where frames come too seldom to measure what a
-    /// hand does, it does not matter whether the hand is seen.
+    /// Whether a hand that is not seen carries an object. It moves in both of the last two windows, and no hand is seen at it. A part that is put in
+    /// place while the camera is covered moves in neither. One that is misread is back where it was. Where frames come too seldom to measure what a hand
+    /// does, it does not matter whether the hand is seen.
     pub(super) fn are_carried_unseen(&mut self) -> bool {
         let moves_unmeasured = self.move_unmeasured();
         let persist = usize::from(self.method.persist_frames);
@@ -112,7 +112,7 @@ impl Scene {
                     .all(|pair| pair.is_some_and(|(to, from)| distance(to, from) > min_m))
             };
             is_farther(self.rest_m())
-                && is_farther(self.objects[object].drift.max_bound_m())
+                && is_farther(self.objects[object].drift.bound_m().unwrap_or(MAX_DRIFT_M))
                 && is_farther(self.jitter_bound_m(persist, seen))
         };
         // What moves while both hands are seen elsewhere was pushed, or is touched farther away than contacts reach: no hand is unseen.
@@ -182,8 +182,8 @@ impl Scene {
         }
     }
 
-    /// Finds which hands may have taken objects that are hidden: each that was at the object or was not seen, and one to which the other may have given
-    /// it. What moved when it vanished is in a hand, even if that has not been seen for long.
+    /// Finds which hands may have taken objects that are hidden. It is each that was at the object or was not seen, and one to which the other may have
+    /// given it. What moved when it vanished is in a hand, even if that has not been seen for long.
     fn update_taken(&mut self) {
         let persist = usize::from(self.method.persist_frames);
         // What the hand is seen to act on leaves no room in it.
@@ -251,14 +251,9 @@ impl Scene {
         }
     }
 
-    /// The hand begins to act on `held`. Finds whether that was seen, and the other objects at which it may be by all that was seen.
-    pub(super) fn update_alternatives(
-        &mut self,
-        hand: usize,
-        before: Option<usize>,
-        held: Option<usize>,
-        age: usize,
-    ) {
+    /// Finds whether it was seen what the hand acts on, after what it did `before`, and the other objects at which it may be.
+    pub(super) fn update_alternatives(&mut self, hand: usize, before: Interaction, age: usize) {
+        let [before, held] = [before, self.interactions[hand]].map(Interaction::held);
         let persist = self.method.persist_frames;
         if held.is_none() {
             self.alternatives[hand] = ObjectSet::EMPTY;
@@ -319,7 +314,7 @@ impl Scene {
         })
     }
 
-    /// Whether the hand moves away from `o_j`, and not all frames that would show whether it has left were clear; or along it, and the last was not.
+    /// Whether the hand moves away from `o_j`, and not all frames that would show whether it has left were clear. Or it moves along it, and the last was not.
     /// They are those in which that motion is measured: one more than those in which a contact is believed.
     pub(super) fn may_have_left(&self, hand: usize, interaction: Interaction, age: usize) -> bool {
         let Interaction::Acts { j, .. } = interaction else { return false };
@@ -352,12 +347,7 @@ impl Scene {
         }
     }
 
-    /// What a seen hand carries goes with it for longer: how it is seen again shows whether it did.
-    pub(super) fn object_visibility(&self, pose: &ObjectPose) -> Visibility {
-        if self.is_carried(pose) { Visibility::Assumed } else { self.visibility(pose.unseen) }
-    }
-
-    fn is_carried(&self, pose: &ObjectPose) -> bool {
+    pub(super) fn is_carried(&self, pose: &ObjectPose) -> bool {
         pose.source == Source::Carried && pose.unseen <= CARRIED_BLIND_TIMES * self.blind_frames
     }
 }

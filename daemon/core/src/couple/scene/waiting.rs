@@ -34,6 +34,6 @@ impl Scene {
             Some(object) => self.object_kinematics(object, age),
             None => self.hand_kinematics(hand, age),
         };
-        Some(!self.quantiser.is_at_rest(&motion?))
+        Some(!self.method.is_at_rest(&motion?))
     }
 }
