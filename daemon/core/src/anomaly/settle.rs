@@ -1,4 +1,4 @@
-//! What is decided on an activity of one hand rather than on an IU: its order, that it is right, its end, and its part.
+//! What is decided on an activity of one hand rather than on an IU: its order, that it is right, its end and part.
 
 use super::comparison::Memory;
 use super::hand::{Finding, HandJudge};

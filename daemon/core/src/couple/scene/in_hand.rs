@@ -337,7 +337,7 @@ impl Scene {
         self.method.hand_contact.on_m / 2.0
     }
 
-    /// Whether the object moves with the hand: more than half as far as they move apart, and the hand over a quarter of its way. Two hands do not hold a
+    /// Whether the object moves with the hand: over half as far as they move apart, and the hand over a quarter of its way. Two hands do not hold a
     /// part stiffly. The first share halved or doubled, 32 or 31 of 3,700 drawn streams differ, and 50 or 52 of the second one.
     fn follows(&self, hand: usize, object: usize, age: usize) -> bool {
         self.relative_path(hand, object, age).is_some_and(|(newest, path_m)| {
