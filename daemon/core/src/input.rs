@@ -26,14 +26,11 @@ impl Side {
 
     /// The other hand.
     pub const fn other(self) -> Self {
-        match self {
-            Self::Right => Self::Left,
-            Self::Left => Self::Right,
-        }
+        Self::ALL[1 - self.index()]
     }
 
     /// The index of this hand in [`ALL`](Self::ALL).
-    pub fn index(self) -> usize {
+    pub const fn index(self) -> usize {
         self as usize - 1
     }
 

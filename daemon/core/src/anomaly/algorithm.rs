@@ -137,24 +137,16 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     fn judge_context(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         let Some(activity) = &self.activity else { return };
         match activity.against {
-            _ if activity.step == Step::Untaught => {
-                self.conclude_not_shown(couple, progress);
-                return;
+            _ if activity.step == Step::Untaught && couple.is_in_sight() => {
+                return self.conclude_iu(Finding::of(Outcome::Anomaly, Reason::None, None), progress);
             }
+            _ if activity.step == Step::Untaught => return self.conclude_unseen(progress),
             Against::Candidates => self.begin_with_candidates(couple, progress),
             Against::Following(nominal, _) => self.begin_following(nominal, couple, progress),
         }
         if let Some(activity) = &self.activity {
             let may_be = (!activity.is_out_of_sequence()).then(|| activity.candidates());
             progress.set_underway(self.side, activity.candidates_as_seen(), may_be);
-        }
-    }
-
-    fn conclude_not_shown(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
-        if couple.is_in_sight() {
-            self.conclude_iu(Finding::of(Outcome::Anomaly, Reason::None, None), progress);
-        } else {
-            self.conclude_unseen(progress);
         }
     }
 

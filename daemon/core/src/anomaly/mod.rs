@@ -497,12 +497,8 @@ fn check(job: &Job<'_>) -> Result<(), Unusable> {
         if given == 0 || given > ACTIVITY_IUS {
             return Err(Unusable::Ius { nominal, given });
         }
-        if let Some(iu) = activity
-            .ius
-            .iter()
-            .position(|iu| !is_usable(iu))
-            .or_else(|| activity.ius[0].context.is_release().then_some(0))
-        {
+        let damaged = activity.ius.iter().position(|iu| !is_usable(iu));
+        if let Some(iu) = damaged.or(activity.ius[0].context.is_release().then_some(0)) {
             return Err(Unusable::Iu { nominal, iu });
         }
     }

@@ -50,14 +50,9 @@ impl Twice {
     pub(super) fn named(&self, event: Event) -> Event {
         let Event::Verdict(verdict) = event else { return event };
         let twins = self.twins.iter().flatten().filter(|twin| twin.explains(&verdict));
-        Event::Verdict(match twins.max_by_key(|twin| twin.began_ns) {
-            Some(twin) => Verdict {
-                reason: Reason::MarkerTwice,
-                missing: Missing { object: Some(twin.object), ..verdict.missing },
-                ..verdict
-            },
-            None => verdict,
-        })
+        let Some(twin) = twins.max_by_key(|twin| twin.began_ns) else { return event };
+        let missing = Missing { object: Some(twin.object), ..verdict.missing };
+        Event::Verdict(Verdict { reason: Reason::MarkerTwice, missing, ..verdict })
     }
 }
 

@@ -81,10 +81,9 @@ impl Interaction {
         match (self, former_j) {
             // A released object that comes to touch something else is another event, in which the hand has no part.
             (Self::Released { l, .. }, Some(j)) if neighbours(j).any(|(other, _)| other == l) => self,
-            (Self::Acts { .. }, Some(j)) => match nearest(neighbours(j), former_l) {
-                Some(l) => Self::Released { j, l },
-                None => Self::Idle,
-            },
+            (Self::Acts { .. }, Some(j)) => {
+                nearest(neighbours(j), former_l).map_or(Self::Idle, |l| Self::Released { j, l })
+            }
             _ => Self::Idle,
         }
     }

@@ -33,12 +33,9 @@ impl<T: Copy> Recent<T> {
         }
     }
 
-    /// Where it was in the newest frame and in the one before.
-    pub(super) fn fixes(&self) -> [Fix; 2]
-    where
-        Fix: From<T>,
-    {
-        [0, 1].map(|age| Fix::from(*self.ago(age)))
+    /// The item of the newest frame and of the one before.
+    pub(super) fn newest_two(&self) -> [T; 2] {
+        [0, 1].map(|age| *self.ago(age))
     }
 
     /// The item of `age` frames ago, or the oldest one if that is no longer remembered.
@@ -80,18 +77,6 @@ pub(super) struct Fix {
     pub(super) unseen: u32,
 }
 
-impl From<HandPose> for Fix {
-    fn from(HandPose { middle_knuckle: place, source, unseen, .. }: HandPose) -> Self {
-        Self { place, source, unseen }
-    }
-}
-
-impl From<ObjectPose> for Fix {
-    fn from(ObjectPose { position: place, source, unseen, .. }: ObjectPose) -> Self {
-        Self { place, source, unseen }
-    }
-}
-
 /// A hand in one frame of the grid.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HandPose {
@@ -130,6 +115,10 @@ impl HandPose {
         }
         let [wrist, middle_knuckle, tips @ ..] = points;
         Some(Self { source: Source::Seen, unseen: 0, middle_knuckle, wrist, tips, held_at: None })
+    }
+
+    pub(super) fn fix(self) -> Fix {
+        Fix { place: self.middle_knuckle, source: self.source, unseen: self.unseen }
     }
 
     /// Direction from the wrist to the middle knuckle about z, in radians.
@@ -217,6 +206,10 @@ impl ObjectPose {
             Space::Plane => ([object.position[0], object.position[1], 0.0], about_z(yaw(whole))),
         };
         Some(Self { source: Source::Seen, unseen: 0, position, orientation })
+    }
+
+    pub(super) fn fix(self) -> Fix {
+        Fix { place: self.position, source: self.source, unseen: self.unseen }
     }
 
     /// This point of the bench in the object's own frame of reference.

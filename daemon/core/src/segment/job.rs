@@ -110,19 +110,17 @@ impl JobSegmenter {
     }
 
     fn watch_for_pause(&mut self, couples: &Couples) {
-        let elapsed_ns = couples.captured_ns.saturating_sub(self.newest_ns);
+        let is_hand_seen = couples.hands.iter().any(Couple::is_hand_seen);
         let moves = couples.unseen & (Unseen::MOVER | Unseen::CARRIER);
-        if !moves.is_empty() || couples.hands.iter().any(Couple::is_hand_seen) {
+        if !moves.is_empty() || is_hand_seen {
             (self.handless_ns, self.resting_ns) = (0, 0);
         } else if !couples.lacks(Unseen::FRAME) && self.newest_ns > 0 {
-            let elapsed_ns = elapsed_ns.min(2 * self.period_ns);
+            let elapsed_ns = couples.captured_ns.saturating_sub(self.newest_ns).min(2 * self.period_ns);
             self.handless_ns = self.handless_ns.saturating_add(elapsed_ns);
             self.resting_ns = self.resting_ns.saturating_add(elapsed_ns);
         }
         let is_out_of_sight = couples.captured_ns.saturating_sub(self.bench_ns) > self.hidden_ns;
-        if couples.out_of_sight.is_empty() || couples.hands.iter().any(Couple::is_hand_seen) {
-            self.has_lost_object = false;
-        }
+        self.has_lost_object &= !couples.out_of_sight.is_empty() && !is_hand_seen;
         if !couples.lacks(Unseen::BENCH) && !self.has_lost_object {
             self.bench_ns = couples.captured_ns;
         }

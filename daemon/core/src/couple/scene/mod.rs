@@ -187,8 +187,9 @@ impl Scene {
         }
         let seen = self.sides.settle(&self.hands, seen, self.blind_frames, &self.method);
         for ((poses, misreading), seen) in self.hands.iter_mut().zip(&mut self.misreadings).zip(seen) {
-            let seen =
-                seen.filter(|seen| misreading.believes(poses.fixes(), seen.middle_knuckle, &self.method));
+            let seen = seen.filter(|seen| {
+                misreading.believes(poses.newest_two().map(HandPose::fix), seen.middle_knuckle, &self.method)
+            });
             let before = *poses.ago(0);
             let is_elsewhere = |seen: HandPose| {
                 let max_m = self.method.hand_contact.on_m;
@@ -210,8 +211,13 @@ impl Scene {
             }
         }
         for (node, seen) in self.objects.iter_mut().zip(&mut seen) {
-            *seen =
-                seen.filter(|seen| node.misreading.believes(node.poses.fixes(), seen.position, &self.method));
+            *seen = seen.filter(|seen| {
+                node.misreading.believes(
+                    node.poses.newest_two().map(ObjectPose::fix),
+                    seen.position,
+                    &self.method,
+                )
+            });
         }
         let persist = u32::from(self.method.persist_frames);
         for (index, seen) in seen.iter().enumerate() {

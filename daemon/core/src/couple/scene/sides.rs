@@ -35,7 +35,7 @@ impl Sides {
         // Whether a hand that was seen before may be here, if it has been pushed for as many frames.
         let reaches = |of: usize, seen: &HandPose, pushed: u32| {
             hands[of].ago(0).source != Source::Never
-                && is_reached(hands[of].fixes(), seen.middle_knuckle, pushed, method)
+                && is_reached(hands[of].newest_two().map(HandPose::fix), seen.middle_knuckle, pushed, method)
         };
         let is_there =
             |of: usize, seen: &HandPose| hands[of].ago(0).unseen <= MAX_UNSEEN && reaches(of, seen, 1);
@@ -48,7 +48,7 @@ impl Sides {
         };
         let is_other = |name: usize| {
             may_be_other(name).is_some_and(|seen| {
-                off_course_m(hands[1 - name].fixes(), seen.middle_knuckle) <= MOVED_M
+                off_course_m(hands[1 - name].newest_two().map(HandPose::fix), seen.middle_knuckle) <= MOVED_M
                     && !may_have_come(name, seen)
             })
         };
