@@ -354,9 +354,17 @@ fn a_job_that_the_line_has_loaded_stays_although_the_role_is_killed_before_it_he
     let (mut line, mut watcher, mut board) = at_work();
     let (path, version, hash) = with_a_version(&line);
     fs::write(&path, "as it was").unwrap();
+    // The job cannot be loaded before the role hears nothing any more.
+    line.role("judge").signal(Signal::STOP);
     let back = board.order(TaskKind::RollBack, "polish", &hash);
     assert_eq!(board.hears(back).0, PrintedState::Begun);
+    let until = Instant::now() + PATIENCE;
+    while running(&line, "use").is_empty() {
+        assert!(Instant::now() < until, "the command does not begin");
+        std::thread::sleep(Duration::from_millis(20));
+    }
     line.role("executor").signal(Signal::STOP);
+    line.role("judge").signal(Signal::CONT);
     watcher.until("the job", |watcher| {
         watcher.judging.is_some_and(|judging| judging.model_hash == version.model_hash())
     });
