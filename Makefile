@@ -17,6 +17,7 @@ packages:
 
 test-packages: packages
 	@dpkg -s $(DEBIAN_TEST) >/dev/null 2>&1 || tests/setup/apt.sh $(DEBIAN_TEST)
+	python3 tests/setup/axe.py target/axe
 
 build: setup
 	cargo build --release --locked -p andond -p andon-video $(OBJDETECT)

@@ -1,7 +1,11 @@
-//! Chromium without a window, driven by its DevTools protocol over a pipe: no port, no further library.
+//! Chromium without a window, driven by its DevTools protocol over a pipe.
+//!
+//! This is all that the tests need of a browser: a dozen commands. `chromiumoxide` 0.9 is maintained and its licences fit. It would add some 65 crates to
+//! be built, 6 MB of generated protocol among them, and asynchronous code to tests that wait for one answer after the other. It also needs a web socket
+//! on a port; a pipe needs no free port, and no other process reaches the browser through it.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use crate::line::PATIENCE;
+use crate::line::{PATIENCE, root};
 use serde_json::{Value, json};
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
@@ -28,6 +32,9 @@ fn access() -> &'static str {
     let script = include_str!("access.js");
     script[script.find("(() =>").unwrap()..].trim_end()
 }
+
+/// Where `make test-packages` puts axe-core, from the root of the workspace.
+const AXE_FILE: &str = "target/axe/axe.min.js";
 
 /// What axe-core finds, in its words.
 const AXE: &str = "axe.run().then(({ violations }) => violations.map(({ id, nodes }) => `axe: ${id}: ${nodes.map(({ html }) => html)}`))";
@@ -191,7 +198,7 @@ impl Browser {
     }
 
     /// What is wrong with a page for people who see little, use the keyboard, or wear gloves. `before` sets the page, which is looked at before its
-    /// server can set it anew. Where `ANDON_AXE` names the script of axe-core, what that finds is told as well.
+    /// server can set it anew. What axe-core finds is told as well.
     pub fn faults(&mut self, tab: &Tab, before: &str) -> Vec<String> {
         let mut faults = texts(self.value(tab, &format!("(() => {{ {before}; return {}; }})()", access())));
         let tree = self.ask(Some(tab), "Accessibility.getFullAXTree", json!({}));
@@ -205,10 +212,9 @@ impl Browser {
                 && node["name"]["value"].as_str().is_none_or(|name| name.trim().is_empty())
         });
         faults.extend(unnamed.map(|node| format!("no name: a {}", node["role"]["value"])));
-        if let Some(axe) = std::env::var_os("ANDON_AXE") {
-            let script = std::fs::read_to_string(axe).unwrap();
-            faults.extend(texts(self.value(tab, &format!("{script};{AXE}"))));
-        }
+        let script = std::fs::read_to_string(root().join(AXE_FILE));
+        let script = script.expect("axe-core is needed: run `make test-packages`");
+        faults.extend(texts(self.value(tab, &format!("{script};{AXE}"))));
         faults
     }
 
