@@ -75,6 +75,65 @@ fn places(line: &Line) -> [usize; 4] {
 }
 
 #[test]
+fn worker_and_technician_read_their_language_and_no_other() {
+    let mut line = Line::new(Settings { flaw: Flaw::J1, ..Settings::live() });
+    let port = line.board("enable = true\n");
+    let mut watcher = line.up();
+    line.start("board");
+    line.wait_for_log("board", "AND-620", "");
+    watcher.until("a fault", |watcher| watcher.verdicts.iter().any(|verdict| verdict.outcome == 2));
+    let mut browser = Browser::start();
+    let tab = browser.open("about:blank#", FULL_HD);
+    for (lang, step, role, remedy) in [
+        (
+            "de",
+            "polisher an brick",
+            "urteilt",
+            "Das Produkt ansehen; `andond history --nok` zeigt die Schritte",
+        ),
+        ("es", "polisher en brick", "juzga", "Mire el producto; `andond history --nok` muestra los pasos"),
+        (
+            "fr",
+            "polisher sur brick",
+            "juge",
+            "Regarder le produit ; `andond history --nok` montre les étapes",
+        ),
+        ("zh", "polisher在brick处", "判定", "检查产品；`andond history --nok` 显示各步骤"),
+    ] {
+        for (page, text) in [
+            ("/?", step),
+            ("/technician?", step),
+            ("/technician?", role),
+            ("/technician/explain?code=305&", remedy),
+        ] {
+            browser.go(&tab, &format!("http://localhost:{port}{page}lang={lang}"));
+            browser.until(&tab, &format!("document.body.innerText.includes({})", json!(text)));
+            let foreign = "[...document.querySelectorAll('main [lang]')].map((element) => element.innerText)";
+            assert_eq!(browser.value(&tab, foreign), json!([]), "{lang} {page}");
+            browser.keep(
+                &tab,
+                &format!("language-{lang}-{}", page.trim_matches(['/', '?']).replace(['/', '?'], "-")),
+            );
+        }
+    }
+}
+
+#[test]
+fn what_only_the_rules_of_axe_find_is_a_fault_of_a_page() {
+    let mut browser = Browser::start();
+    let page = |list: &str| {
+        format!(
+            "data:text/html,<!DOCTYPE html><html lang=en><title>A page</title><main><h1>A page</h1>{list}</main>"
+        )
+    };
+    let tab = browser.open(&page("<ul><li>one</ul>"), FULL_HD);
+    assert_eq!(browser.faults(&tab, ""), [""; 0]);
+    browser.go(&tab, &page("<ul><p>one</ul>"));
+    let faults = browser.faults(&tab, "");
+    assert!(matches!(faults.as_slice(), [fault] if fault.starts_with("axe: list")), "{faults:?}");
+}
+
+#[test]
 fn a_line_without_a_board_pays_for_none_also_where_its_role_runs() {
     let mut line = Line::new(Settings::live());
     let port = line.board("");

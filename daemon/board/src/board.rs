@@ -14,7 +14,7 @@ use crate::desk::Desk;
 use crate::film::Asks;
 use crate::guard::Guard;
 use crate::job::Job;
-use crate::line::Line;
+use crate::line::{Ill, Line};
 use crate::look::{Finding, Look};
 use crate::page;
 use crate::picture::Picture;
@@ -55,6 +55,8 @@ pub struct Settings {
     pub is_look: bool,
     /// Whether an engineer may order anything.
     pub takes_orders: bool,
+    /// The folder of the recordings that an engineer teaches from, for people.
+    pub films: String,
     /// The roles of the station, in the order of the data path.
     pub roles: Vec<RoleId>,
     /// The codes of the log, in the order of their numbers.
@@ -80,6 +82,7 @@ impl Settings {
             picture: true,
             is_look: false,
             takes_orders: false,
+            films: String::new(),
             roles: Vec::new(),
             codes: Vec::new(),
             code_of: |_| None,
@@ -110,8 +113,8 @@ pub struct Board {
     pub(crate) confirmations: Confirmations,
     pub(crate) desk: Desk,
     pub(crate) line: Line,
-    /// Why the line does not watch, for the technician.
-    pub(crate) cause: String,
+    /// Why the line does not watch: the role that keeps it from that, and what is the matter with it.
+    pub(crate) cause: Option<(RoleId, Ill)>,
     pub(crate) job: Job,
     pub(crate) judging: Option<Judging>,
     pub(crate) piece: Piece,
@@ -149,7 +152,7 @@ impl Board {
             desk: Desk::default(),
             settings,
             line: Line::default(),
-            cause: String::new(),
+            cause: None,
             job: Job::default(),
             judging: None,
             piece: Piece::default(),
@@ -245,11 +248,11 @@ impl Board {
         self.version += 1;
     }
 
-    /// How the line is, and why, in words for a technician.
-    pub fn line(&mut self, line: Line, cause: &str) {
-        if (self.line, self.cause.as_str()) != (line, cause) {
+    /// How the line is, and for the technician which role is the cause.
+    pub fn line(&mut self, line: Line, cause: Option<(RoleId, Ill)>) {
+        if (self.line, self.cause) != (line, cause) {
             self.shift.watch(!matches!(line, Line::Stopped(_)));
-            (self.line, self.cause) = (line, cause.to_owned());
+            (self.line, self.cause) = (line, cause);
             self.version += 1;
             self.news += 1;
         }

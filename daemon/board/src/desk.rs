@@ -8,6 +8,7 @@ use shm_schemas::{Printed, PrintedState, Showing, TaskKind, VerdictMeasure};
 use crate::address::Page;
 use crate::audited::Audited;
 use crate::board::Board;
+use crate::job::Job;
 use crate::order::Order;
 
 /// Lines of a task that are kept: a report has some hundred.
@@ -49,8 +50,8 @@ pub struct KnownJob {
     pub title: String,
     /// The version that its file has.
     pub version: Version,
-    /// What people call its steps.
-    pub steps: Vec<String>,
+    /// What people call its steps and parts. It has no pictures.
+    pub names: Job,
     /// The names of the recordings that it was taught from.
     pub runs: Vec<String>,
     /// What these measured, in the order of the steps.

@@ -56,7 +56,7 @@ pub use desk::{Fetch, Known, KnownJob, MadeFile, Measured, Version};
 pub use film::{Ask, Film, NoFilm, Wanted};
 pub use inbox::{Inbox, Said};
 pub use job::{Job, Step};
-pub use line::{Line, Stop};
+pub use line::{Ill, Line, Stop};
 pub use look::Finding;
 pub use order::{Order, Ordered, Piece};
 pub use picture::{Picture, Thing, Visibility, What};

@@ -5,7 +5,7 @@ use shm_schemas::{
     VerdictReason, decimals,
 };
 
-use crate::job::Job;
+use crate::job::{Job, hand_key};
 use crate::words::Table;
 
 /// The same for every verdict with the same fault, so that they can be counted and looked for; `None` of what is simply right.
@@ -72,8 +72,9 @@ impl Teller<'_> {
     /// A step by its number and its name; only by its number where the verdict belongs to another job than is in force.
     fn step(&self, verdict: &Verdict, step: u16) -> String {
         let number = self.words.fill("label.step", &[("number", &(u32::from(step) + 1).to_string())]);
-        let known = self.job.step(step).filter(|_| verdict.model_hash == self.job.hash);
-        known.map_or(number.clone(), |known| [&number, self.words.say("label.colon"), &known.name].concat())
+        let known = Some(step).filter(|_| verdict.model_hash == self.job.hash);
+        let name = known.and_then(|step| self.job.step_name(step, self.words));
+        name.map_or(number.clone(), |name| [&number, self.words.say("label.colon"), &name].concat())
     }
 
     /// What was measured, and what was shown.
@@ -157,9 +158,7 @@ impl Teller<'_> {
     }
 
     fn with_hand(&self, context: [u16; 4]) -> String {
-        let key =
-            if context[0] == u16::from(HandCode::Left.code()) { "context.left" } else { "context.right" };
-        self.words.fill(key, &[("what", &self.context(context))])
+        self.words.fill(hand_key(context[0]), &[("what", &self.context(context))])
     }
 
     /// What was not seen, and for how long.

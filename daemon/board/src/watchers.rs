@@ -177,7 +177,7 @@ mod tests {
 
     use crate::board::Board;
     use crate::confirm::Was;
-    use crate::line::{Line, Stop};
+    use crate::line::{Ill, Line, Stop};
     use crate::sample::{right, settings};
 
     /// One more who looks at a page. The client reads nothing, and is there as long as this is.
@@ -263,7 +263,7 @@ mod tests {
         assert!(shows(&mut board, CALM_NS + 2 * TOGETHER_NS, &row));
         board.confirmed(verdict.stamp.id(), Was::Right, "login maria");
         assert!(shows(&mut board, CALM_NS + 4 * TOGETHER_NS, "maria"));
-        board.line(Line::Stopped(Stop::Role), "judge gives no sign of life");
+        board.line(Line::Stopped(Stop::Role), Some((RoleId::Judge, Ill::Silent)));
         assert!(shows(&mut board, CALM_NS + 6 * TOGETHER_NS, "judge gives no sign"));
         board.health(&Health { role: RoleId::Judge.code(), losses: 4711, ..Health::default() });
         let before = board.watchers.views.values().next().unwrap().drawn_ns;

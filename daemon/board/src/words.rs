@@ -8,13 +8,14 @@ use std::path::{Path, PathBuf};
 
 use toml::{Table as Toml, Value};
 
-/// The shipped languages. English has every key.
-const SHIPPED: [(&str, &str); 5] = [
-    (ENGLISH, include_str!("words/en.toml")),
-    ("de", include_str!("words/de.toml")),
-    ("es", include_str!("words/es.toml")),
-    ("fr", include_str!("words/fr.toml")),
-    ("zh", include_str!("words/zh.toml")),
+/// The shipped languages: what the pages say, and what the codes of messages mean. English has every key of the first; the codes themselves have the
+/// second in English.
+const SHIPPED: [(&str, &str, &str); 5] = [
+    (ENGLISH, include_str!("words/en.toml"), ""),
+    ("de", include_str!("words/de.toml"), include_str!("words/codes/de.toml")),
+    ("es", include_str!("words/es.toml"), include_str!("words/codes/es.toml")),
+    ("fr", include_str!("words/fr.toml"), include_str!("words/codes/fr.toml")),
+    ("zh", include_str!("words/zh.toml"), include_str!("words/codes/zh.toml")),
 ];
 
 const ENGLISH: &str = "en";
@@ -39,7 +40,7 @@ pub enum TableError {
         source: Box<toml::de::Error>,
     },
     /// A key that no page asks for, or that is no text.
-    #[error("{}: {key} is no text of the board; en.toml of the source has all of them", path.display())]
+    #[error("{}: {key} is no text of the board; /usr/share/doc/andon/words has all of them", path.display())]
     Key {
         /// The file.
         path: PathBuf,
@@ -69,12 +70,14 @@ impl Tables {
     #[must_use]
     pub fn shipped() -> Self {
         let mut tables = BTreeMap::<String, Table>::new();
-        for (code, text) in SHIPPED {
+        for (code, pages, codes) in SHIPPED {
             let mut table = tables.get(ENGLISH).cloned().unwrap_or_default();
-            // A test reads each of them.
-            collect("", &text.parse().unwrap_or_default(), &mut |key, text| {
-                table.0.extend(text.map(|text| (key, text.to_owned())));
-            });
+            for text in [pages, codes] {
+                // A test reads each of them.
+                collect("", &text.parse().unwrap_or_default(), &mut |key, text| {
+                    table.0.extend(text.map(|text| (key, text.to_owned())));
+                });
+            }
             tables.insert(code.to_owned(), table);
         }
         Self(tables)
@@ -102,10 +105,10 @@ impl Tables {
         let toml: Toml =
             text.parse().map_err(|source| TableError::Toml { path: path_of(), source: Box::new(source) })?;
         let code = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let english = self.0.get(ENGLISH).cloned().unwrap_or_default();
-        let mut table = self.0.remove(&code).unwrap_or_else(|| english.clone());
+        let mut table = self.0.get(&code).unwrap_or_else(|| self.english()).clone();
         let mut unknown = None;
-        collect("", &toml, &mut |key, text| match text.filter(|_| english.0.contains_key(&key)) {
+        let is_known = |key: &str| self.0.values().any(|table| table.has(key));
+        collect("", &toml, &mut |key, text| match text.filter(|_| is_known(&key)) {
             Some(text) => drop(table.0.insert(key, text.to_owned())),
             None => unknown = Some(key),
         });
@@ -146,6 +149,11 @@ impl Table {
         self.0.get(key).map_or(key, String::as_str)
     }
 
+    /// The text of a key, if the language has it.
+    pub(crate) fn get(&self, key: &str) -> Option<&str> {
+        self.0.get(key).map(String::as_str)
+    }
+
     /// As [`Table::say`], with these values in their places.
     pub(crate) fn fill(&self, key: &str, values: &[(&str, &str)]) -> String {
         let text = self.say(key).to_owned();
@@ -172,8 +180,9 @@ fn collect(before: &str, table: &Toml, each: &mut impl FnMut(String, Option<&str
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::line::Ill;
     use shm_schemas::{
-        RoleState, Sight, VerdictLevel, VerdictMeasure, VerdictNote, VerdictOutcome, VerdictReason,
+        RoleId, RoleState, Sight, VerdictLevel, VerdictMeasure, VerdictNote, VerdictOutcome, VerdictReason,
     };
     use std::collections::BTreeSet;
 
@@ -193,12 +202,30 @@ mod tests {
     #[test]
     fn every_shipped_language_has_every_text_with_the_same_values_in_it() {
         let english = keys(SHIPPED[0].1);
-        for (code, text) in SHIPPED {
+        for (code, text, _) in SHIPPED {
             let table = keys(text);
             assert_eq!(table.keys().collect::<Vec<_>>(), english.keys().collect::<Vec<_>>(), "{code}");
             for (key, text) in table {
                 assert!(!text.trim().is_empty(), "{code}: {key}");
                 assert_eq!(places(&text), places(&english[&key]), "{code}: {key}");
+            }
+        }
+    }
+
+    /// Between backticks stands what somebody types.
+    fn typed(text: &str) -> BTreeSet<&str> {
+        text.split('`').skip(1).step_by(2).collect()
+    }
+
+    #[test]
+    fn every_shipped_language_but_english_has_the_same_codes_with_the_same_to_type_in_them() {
+        let german = keys(SHIPPED[1].2);
+        assert!(german.contains_key("code.104.do"));
+        for (code, _, text) in &SHIPPED[2..] {
+            let table = keys(text);
+            assert_eq!(table.keys().collect::<Vec<_>>(), german.keys().collect::<Vec<_>>(), "{code}");
+            for (key, text) in table {
+                assert_eq!(typed(&text), typed(&german[&key]), "{code}: {key}");
             }
         }
     }
@@ -219,6 +246,8 @@ mod tests {
         wanted.extend(VerdictLevel::ALL.iter().map(|of| format!("level.{}", of.name())));
         wanted.extend(VerdictOutcome::ALL.iter().map(|of| format!("outcome.{}", of.name())));
         wanted.extend(RoleState::ALL.iter().map(|of| format!("role.{}", of.name())));
+        wanted.extend(RoleId::ALL.iter().map(|of| format!("part_of_line.{}", of.name())));
+        wanted.extend(Ill::ALL.iter().map(|of| of.key().to_owned()));
         let sights = Sight::ALL.iter().filter(|of| **of != Sight::Clear);
         wanted.extend(sights.map(|of| format!("stop.{}", of.name())));
         let tables = Tables::shipped();
@@ -243,7 +272,7 @@ mod tests {
     fn a_customer_adds_a_language_and_replaces_a_word() {
         let folder = folder(&[
             ("it.toml", "language = \"Italiano\"\n[state]\nGood = \"BENE\"\n"),
-            ("de.toml", "[state]\nGood = \"PASST\"\n"),
+            ("de.toml", "[state]\nGood = \"PASST\"\n[code]\n104.do = \"Herrn Maier rufen\"\n"),
             ("notes.txt", "nothing"),
         ]);
         let tables = Tables::shipped().with_folder(&folder).unwrap();
@@ -253,6 +282,7 @@ mod tests {
         assert_eq!(said("it", "state.Fault"), said("en", "state.Fault"));
         assert_eq!(said("de", "state.Good"), "PASST");
         assert_eq!(said("de", "state.Fault"), "FEHLER");
+        assert_eq!(said("de", "code.104.do"), "Herrn Maier rufen");
         assert!(tables.languages().any(|language| language == ("it", "Italiano")));
         assert!(tables.must_have("it").is_ok());
         let error = tables.must_have("xx").unwrap_err().to_string();
@@ -264,6 +294,7 @@ mod tests {
         for (text, expected) in [
             ("[state]\nGodo = \"x\"", "state.Godo is no text"),
             ("[state]\nGood = 7", "state.Good is no text"),
+            ("[code]\n999.do = \"x\"", "code.999.do is no text"),
             ("state", "TOML parse error"),
         ] {
             let folder = folder(&[("it.toml", text)]);

@@ -57,7 +57,7 @@ fn fill(board: &mut Board) {
     let step = |_| Step { name: MARKUP.to_owned(), contexts: vec![[1, 5, 0, 0]], picture: Some(vec![7; 3]) };
     let parts = [(5, MARKUP.to_owned()), (6, MARKUP.to_owned())].into();
     board.job(Job { hash: 7, name: MARKUP.to_owned(), parts, steps: (0..2).map(step).collect() });
-    board.line(Line::Ready, MARKUP);
+    board.line(Line::Ready, None);
     let part = PartId::new(b"\"><script>").unwrap();
     board.judging(&Judging { phase: JudgePhase::Running.code(), is_enabled: 1, part, ..Judging::default() });
     board.verdict(&fault(part));

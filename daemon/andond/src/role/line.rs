@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use andon_board::Ill;
 use andon_host::config::Config;
 use andon_host::log::code;
 use andon_ipc::{Heartbeat, MonotonicTime};
@@ -23,7 +24,7 @@ pub(super) struct LineHealth {
     restarted: Option<RoleId>,
     was_ready: bool,
     /// The first role that keeps the line from being ready, and what is the matter with it.
-    culprit: Option<(RoleId, &'static str)>,
+    culprit: Option<(RoleId, Ill)>,
 }
 
 /// A role of the line is not there.
@@ -80,7 +81,7 @@ impl LineHealth {
     pub(super) fn line(&mut self, now: MonotonicTime) -> Line {
         self.look_for_departed(now);
         if let Some(role) = self.restarted.take().filter(|_| self.was_ready) {
-            self.culprit = Some((role, "has started again"));
+            self.culprit = Some((role, Ill::Restarted));
             return MISSING;
         }
         let departure = self.departure;
@@ -89,7 +90,7 @@ impl LineHealth {
             .iter()
             .map(|role| (role.role, role.line(now, departure)))
             .find(|(_, (line, _))| *line != Line::Ready);
-        self.culprit = unhealthy.map(|(role, (_, what))| (role, what));
+        self.culprit = unhealthy.and_then(|(role, (_, ill))| Some((role, ill?)));
         match unhealthy.map(|(_, (line, _))| line) {
             None => {
                 self.was_ready = true;
@@ -108,7 +109,7 @@ impl LineHealth {
 
     /// Whether nothing before the judge keeps the line from being ready, and the judge lives and has not judged yet. One without a job never does.
     pub(super) fn has_idle_judge(&self) -> bool {
-        matches!(self.culprit, Some((RoleId::Judge, STARTING | WAITING)))
+        matches!(self.culprit, Some((RoleId::Judge, Ill::Starting | Ill::Waiting)))
     }
 
     /// What is wrong with what `perceive` sees of its bench.
@@ -120,24 +121,41 @@ impl LineHealth {
         self.roles.iter().filter_map(|role| role.newest.as_ref())
     }
 
-    /// What keeps the line from being ready, in words.
+    /// Which role keeps the line from being ready, and what is the matter with it.
+    pub(super) const fn culprit(&self) -> Option<(RoleId, Ill)> {
+        self.culprit
+    }
+
+    /// The same in the words of the log.
     pub(super) fn cause(&self) -> String {
         match self.culprit {
             None => String::new(),
-            Some((_, GONE)) => GONE.to_owned(),
-            Some((role, what)) => format!("{} {what}", role.name()),
+            // It is noticed before it is known which: all roles are silent until they are heard again.
+            Some((_, Ill::Gone)) => GONE.to_owned(),
+            Some((role, ill)) => format!("{} {}", role.name(), words(ill)),
         }
     }
 }
 
-/// A process is noticed to have gone before it is known which: all roles are silent until they are heard again.
 const GONE: &str = "a process of the line has gone, and `andond status` says which";
 
-/// A role that has not done a step yet.
-const STARTING: &str = "is starting";
-
-/// A role whose input has fallen silent.
-const WAITING: &str = "runs and gets nothing, or too late";
+/// What is said of a role after its name.
+const fn words(ill: Ill) -> &'static str {
+    match ill {
+        Ill::Restarted => "has started again",
+        Ill::Unheard => "has not been heard yet",
+        Ill::Gone => GONE,
+        Ill::Silent => "gives no sign of life",
+        Ill::Blind => "does not see its bench: its log says why",
+        Ill::Starting => "is starting",
+        Ill::Ended => "is at the end of its recording",
+        Ill::NoFrames => "gets no frames",
+        Ill::Waiting => "runs and gets nothing, or too late",
+        Ill::Unable => "cannot work: its log says why",
+        Ill::Unwritten => "cannot write: its log says why",
+        Ill::OtherVersion => "is of another version",
+    }
+}
 
 /// A process that has left its channels is gone by then. One that is not, and silent, is found by its deadline.
 const LEAVING: Duration = Duration::from_secs(1);
@@ -149,38 +167,36 @@ impl RoleHealth {
     }
 
     /// The state of the line as far as this role determines it, and what is the matter with the role.
-    fn line(&self, now: MonotonicTime, departure: MonotonicTime) -> (Line, &'static str) {
-        let Some(health) = &self.newest else { return (MISSING, "has not been heard yet") };
+    fn line(&self, now: MonotonicTime, departure: MonotonicTime) -> (Line, Option<Ill>) {
+        let Some(health) = &self.newest else { return (MISSING, Some(Ill::Unheard)) };
         let sent = MonotonicTime::sent(&health.stamp);
         if sent < departure {
-            return (MISSING, GONE);
+            return (MISSING, Some(Ill::Gone));
         }
         if now.since(sent) > self.deadline {
-            return (MISSING, "gives no sign of life");
+            return (MISSING, Some(Ill::Silent));
         }
         let fault = |fault| Line::Fault { fault, detail: health.last_error };
-        match RoleState::try_from(health.state) {
+        let (line, ill) = match RoleState::try_from(health.state) {
             Ok(RoleState::Running) => match sight::trouble_of(health).and_then(sight::code) {
-                Some(code) => (
-                    Line::Fault { fault: Fault::Sight, detail: code.number },
-                    "does not see its bench: its log says why",
-                ),
-                None => (Line::Ready, "runs"),
+                Some(code) => (Line::Fault { fault: Fault::Sight, detail: code.number }, Ill::Blind),
+                None => return (Line::Ready, None),
             },
-            Ok(RoleState::Starting) => (Line::Starting, STARTING),
-            Ok(RoleState::Finished) => (Line::Starting, "is at the end of its recording"),
+            Ok(RoleState::Starting) => (Line::Starting, Ill::Starting),
+            Ok(RoleState::Finished) => (Line::Starting, Ill::Ended),
             Ok(RoleState::Waiting) if self.role == RoleId::Perceive => {
                 let detail = code::CAMERA_GONE.number;
-                (Line::Fault { fault: Fault::Camera, detail }, "gets no frames")
+                (Line::Fault { fault: Fault::Camera, detail }, Ill::NoFrames)
             }
-            Ok(RoleState::Waiting) => (fault(Fault::Role), WAITING),
+            Ok(RoleState::Waiting) => (fault(Fault::Role), Ill::Waiting),
             Ok(RoleState::Fault) => match self.role {
-                RoleId::Capture => (fault(Fault::Camera), "cannot work: its log says why"),
-                RoleId::Journal => (fault(Fault::Journal), "cannot write: its log says why"),
-                _ => (fault(Fault::Role), "cannot work: its log says why"),
+                RoleId::Capture => (fault(Fault::Camera), Ill::Unable),
+                RoleId::Journal => (fault(Fault::Journal), Ill::Unwritten),
+                _ => (fault(Fault::Role), Ill::Unable),
             },
-            Err(_) => (fault(Fault::Role), "is of another version"),
-        }
+            Err(_) => (fault(Fault::Role), Ill::OtherVersion),
+        };
+        (line, Some(ill))
     }
 }
 

@@ -50,7 +50,7 @@ pub(super) fn draw_whole(
     jobs(html, board, words, address);
     teach(html, words, address, visitor);
     films(html, board, words);
-    upload(html, words, address, visitor);
+    upload(html, board, words, address, visitor);
     html.element("<h2>", words.say("engineer.bench"), "</h2><div class=\"beside\"><div>");
     bench(html, words, address, visitor);
     station(html, words, address, visitor);
@@ -212,7 +212,8 @@ fn films(html: &mut Html, board: &Board, words: &Table) {
     html.raw("<section id=\"films\"><fieldset form=\"teaching\" class=\"order\"><legend>");
     html.text(words.say("engineer.films")).raw("</legend>");
     if board.desk.known.films.is_empty() {
-        html.element("<p>", words.say("engineer.no_films"), "</p>");
+        let none = words.fill("engineer.no_films", &[("folder", &board.settings.films)]);
+        html.element("<p>", &none, "</p>");
     }
     for film in &board.desk.known.films {
         html.raw("<label class=\"tick\"><input form=\"teaching\" type=\"checkbox\" name=\"film\" value=\"");
@@ -230,8 +231,9 @@ fn films(html: &mut Html, board: &Board, words: &Table) {
 }
 
 /// One more recording, from the disk of whoever looks at the page. Its script sends it.
-fn upload(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor) {
-    html.element("<noscript><p>", words.say("upload.by_hand"), "</p></noscript>");
+fn upload(html: &mut Html, board: &Board, words: &Table, address: &Address, visitor: &Visitor) {
+    let by_hand = words.fill("upload.by_hand", &[("folder", &board.settings.films)]);
+    html.element("<noscript><p>", &by_hand, "</p></noscript>");
     let most = (FILM_BYTES >> 20).to_string();
     let size = words.fill("upload.size", &[("n", &most)]);
     html.raw("<form id=\"upload\" class=\"order\" hidden data-piece=\"").text(&PIECE_BYTES.to_string());

@@ -80,7 +80,7 @@ fn told(html: &mut Html, board: &Board, words: &Table, address: &Address, verdic
     }
     if let Some(code) = (board.settings.code_of)(verdict) {
         html.raw("<p>");
-        explain::short(html, board, address, code);
+        explain::short(html, board, words, address, code);
         html.raw("</p>");
     }
 }

@@ -61,9 +61,9 @@ pub(super) fn draw_whole(
 /// What its steps are called. The names belong to a form that stands apart, so that new ones are drawn and nobody loses what they are typing.
 fn names(html: &mut Html, words: &Table, job: &KnownJob) {
     html.element("<section id=\"names\"><h2>", words.say("engineer.names"), "</h2><div class=\"order\">");
-    for (number, name) in (1..).zip(&job.steps) {
+    for (number, name) in (1..).zip((0..).map_while(|step| job.names.step_name(step, words))) {
         let attributes = "form=\"naming\" name=\"step\" required maxlength=\"60\"";
-        numbered(html, words, ("s", "label.step", number), attributes, name);
+        numbered(html, words, ("s", "label.step", number), attributes, &name);
     }
     html.element(
         "<button form=\"naming\" name=\"do\" value=\"name\">",
@@ -88,10 +88,10 @@ fn measured(html: &mut Html, words: &Table, job: &KnownJob) {
         for (row, measured) in of_step.iter().enumerate() {
             html.raw("<tr>");
             if row == 0 {
-                let step = usize::from(measured.step);
-                let name = job.steps.get(step).map_or("", String::as_str);
+                let step = u32::from(measured.step) + 1;
+                let name = job.names.step_name(measured.step, words).unwrap_or_default();
                 html.raw("<th scope=\"rowgroup\" rowspan=\"").text(&of_step.len().to_string()).raw("\">");
-                html.text(&format!("{}. {name}", step + 1)).raw("</th>");
+                html.text(&format!("{step}. {name}")).raw("</th>");
             }
             html.raw("<td>");
             if has_several {

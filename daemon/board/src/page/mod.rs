@@ -55,7 +55,8 @@ pub(crate) fn whole(
     html.raw("<!DOCTYPE html><html lang=\"").text(lang).raw("\"><head><meta charset=\"utf-8\">");
     html.raw("<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>");
     html.text(words.say("label.board")).raw(" ").text(&board.settings.station).raw("</title>");
-    // What follows the script is for a page that did not get it: there it is a comment.
+    // What follows the script is for a page that did not get it: there it is a comment. Until one or the other has come the page is blank: nobody
+    // reads what nothing keeps true.
     html.raw("<script src=\"/board.js\"></script>").raw(again(board, address.page)).raw("<!-- -->");
     html.raw("<link rel=\"stylesheet\" href=\"/board.css\">");
     html.raw(match address.page {

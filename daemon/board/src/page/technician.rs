@@ -67,14 +67,15 @@ pub(super) fn line(html: &mut Html, board: &Board, words: &Table, address: &Addr
     if let Some(key) = state.help() {
         html.text(words.say(&key)).raw(" ");
     }
-    if !board.cause.is_empty() {
-        html.element("<span lang=\"en\">", &board.cause, "</span>");
+    if let Some((role, ill)) = board.cause {
+        html.text(&words.fill(ill.key(), &[("role", role.name())]));
     }
     html.raw("</p>");
     if state == State::NoJob {
         html.raw("<p class=\"turns\"><a href=\"").text(&address.on(Page::Engineer).link());
         html.element("\">", words.say("label.engineer"), "</a> ");
-        explain::short(html, board, address, board.health_of(RoleId::Judge).map_or(0, |of| of.last_error));
+        let code = board.health_of(RoleId::Judge).map_or(0, |of| of.last_error);
+        explain::short(html, board, words, address, code);
         html.raw("</p>");
     }
     if !board.job.name.is_empty() {
@@ -120,14 +121,15 @@ fn role(html: &mut Html, board: &Board, words: &Table, address: &Address, role: 
     let state = health.and_then(|health| RoleState::try_from(health.state).ok());
     let works = matches!(state, Some(RoleState::Running | RoleState::Finished));
     html.raw(if works { "<tr><th scope=\"row\">" } else { "<tr class=\"ill\"><th scope=\"row\">" })
-        .text(role.name());
+        .text(role.name())
+        .element(" <small>", words.say(&format!("part_of_line.{}", role.name())), "</small>");
     let word = format!("role.{}", state.map_or("Silent", RoleState::name));
     html.raw("</th><td>").raw(if works { "" } else { "\u{25b2} " }).text(words.say(&word)).raw("</td>");
     for cell in health.map_or(UNKNOWN.map(str::to_owned), |health| numbers(health, words)) {
         html.element("<td class=\"number\">", &cell, "</td>");
     }
     html.raw("<td>");
-    explain::short(html, board, address, health.map_or(0, |health| health.last_error));
+    explain::short(html, board, words, address, health.map_or(0, |health| health.last_error));
     html.raw("</td></tr>");
 }
 
@@ -272,7 +274,7 @@ mod tests {
     use super::*;
     use crate::board::Settings;
     use crate::code::Code;
-    use crate::line::{Line, Stop};
+    use crate::line::{Ill, Line, Stop};
     use crate::page::view;
     use crate::sample::settings;
     use crate::words::Tables;
@@ -284,7 +286,7 @@ mod tests {
         let mut board = Board::new(Settings { codes: vec![code], ..settings() });
         board.judging(&Judging { phase: JudgePhase::NoJob.code(), ..Judging::default() });
         board.health(&Health { role: RoleId::Judge.code(), last_error: 311, ..Health::default() });
-        board.line(Line::NoJob, "");
+        board.line(Line::NoJob, None);
         assert!(board.has_no_job());
         for (code, _) in board.settings.tables.languages() {
             let words = board.settings.tables.get(code).unwrap();
@@ -298,10 +300,11 @@ mod tests {
             shows(Page::Worker, words.say("stop.NoJob"));
             shows(Page::Technician, words.say("stop.NoJob"));
             shows(Page::Technician, &format!("<p class=\"turns\"><a href=\"/engineer?lang={code}\">"));
-            shows(Page::Technician, "AND-311</a> no job is selected</span></p>");
+            shows(Page::Technician, "AND-311</a> <span");
         }
-        board.line(Line::Stopped(Stop::Role), "perceive gives no sign of life");
+        board.line(Line::Stopped(Stop::Role), Some((RoleId::Perceive, Ill::Silent)));
         let drawn = view(&board, &Address::new(Page::Technician, ""));
+        assert!(drawn.contains("perceive gives no sign of life"), "{drawn}");
         assert!(drawn.contains("NOT WATCHING") && !drawn.contains("class=\"turns\"><a href=\"/engineer"));
     }
 

@@ -104,18 +104,13 @@ fn steps(html: &mut Html, board: &Board, words: &Table) {
     let count = u16::try_from(board.job.steps.len()).unwrap_or(u16::MAX);
     html.raw("<dl class=\"steps\">");
     for (key, step) in ["label.now", "label.next"].into_iter().zip(board.piece.steps(count)) {
-        let Some((step, known)) = step.and_then(|step| Some((step, board.job.step(step)?))) else { continue };
+        let known =
+            step.and_then(|step| Some((step, board.job.step(step)?, board.job.step_name(step, words)?)));
+        let Some((step, known, name)) = known else { continue };
         html.element("<div><dt>", words.say(key), "</dt><dd>");
-        html.raw("<b class=\"number\">")
-            .text(&(u32::from(step) + 1).to_string())
-            .raw("</b> ")
-            .text(&known.name);
+        html.raw("<b class=\"number\">").text(&(u32::from(step) + 1).to_string()).raw("</b> ").text(&name);
         if known.picture.is_some() && board.settings.picture {
-            html.raw("<img src=\"")
-                .text(&board.job.picture_of(step))
-                .raw("\" alt=\"")
-                .text(&known.name)
-                .raw("\">");
+            html.raw("<img src=\"").text(&board.job.picture_of(step)).raw("\" alt=\"").text(&name).raw("\">");
         }
         html.raw("</dd></div>");
     }

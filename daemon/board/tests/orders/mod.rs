@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use andon_board::{Audited, Known, KnownJob, Order, Ordered, Piece, Version};
+use andon_board::{Audited, Job, Known, KnownJob, Order, Ordered, Piece, Step, Version};
 use shm_schemas::{PIECE_BYTES, Printed, PrintedState, Task, TaskKind};
 
 use crate::answer::{header, status};
@@ -135,7 +135,7 @@ fn an_order_that_is_none_or_too_long_is_refused_and_what_a_job_is_called_is_text
             name: "polish".to_owned(),
             title: markup.clone(),
             version: version.clone(),
-            steps: vec![markup.clone()],
+            names: Job { steps: vec![Step { name: markup.clone(), ..Step::default() }], ..Job::default() },
             runs: vec![markup.clone()],
             earlier: vec![version],
             has_report: true,

@@ -274,6 +274,12 @@ impl JobFile {
         self.step_names.get(number).cloned().unwrap_or_else(|| self.proposed_name(number))
     }
 
+    /// The name that a person has given an activity; `None` where it has none, or still the one that was proposed.
+    pub fn given_name(&self, number: usize) -> Option<&str> {
+        let name = self.step_names.get(number)?;
+        (*name != self.proposed_name(number)).then_some(name)
+    }
+
     /// What a person calls an object: its name, or its id if the file does not have it.
     pub fn object_name(&self, id: u16) -> String {
         object_name(&self.objects, id)

@@ -123,6 +123,7 @@ mod tests {
         job.activities[1].ius.pop();
         job.name_steps(&before);
         assert_eq!(job.step_names, ["polish", "brick at meter"]);
+        assert_eq!([0, 1].map(|number| job.given_name(number)), [Some("polish"), None]);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
-use andon_board::{Board, Fetch, Known, KnownJob, MadeFile, Measured, Order, Ordered, Version};
+use andon_board::{Board, Fetch, Job, Known, KnownJob, MadeFile, Measured, Order, Ordered, Step, Version};
 use andon_core::bounds::{Bounds, Range};
 use andon_host::config::Config;
 use andon_host::role::{Cycle, Output};
@@ -214,12 +214,27 @@ fn job(made: &Made, path: &Path) -> KnownJob {
         number: file.id,
         title: file.name.clone(),
         version: own,
-        steps: (0..file.steps.len()).map(|step| file.step_name(step)).collect(),
+        names: names(&file),
         runs: file.provenance.sources.iter().map(|source| source.name.clone()).collect(),
         measured: measured(&file),
         earlier,
         has_report,
         name,
+    }
+}
+
+/// What people call the parts and the steps of a job. A name that was only proposed is none: the board says it in the language of each reader.
+pub(super) fn names(file: &JobFile) -> Job {
+    let step = |number| Step {
+        name: file.given_name(number).unwrap_or_default().to_owned(),
+        contexts: file.step_contexts(number).into_iter().map(|context| context.0).collect(),
+        picture: None,
+    };
+    Job {
+        hash: file.model_hash(),
+        name: file.name.clone(),
+        parts: file.objects.iter().map(|object| (object.shape.id, object.name.clone())).collect(),
+        steps: (0..file.steps.len()).map(step).collect(),
     }
 }
 

@@ -225,8 +225,8 @@ impl<'c> Pages<'c> {
         let line = self.line.line(now);
         let line = self.shown(line);
         // A judge without a job is always starting, which says nothing to anybody.
-        let cause = if line == Line::NoJob { String::new() } else { self.line.cause() };
-        self.board.line(line, &cause);
+        let cause = self.line.culprit().filter(|_| line != Line::NoJob);
+        self.board.line(line, cause);
         self.look_for_clips();
     }
 
@@ -294,6 +294,7 @@ fn settings(config: &Config) -> Result<Settings, RoleError> {
         picture: config.board.picture,
         is_look: false,
         takes_orders: config.executor.enable,
+        films: std::path::absolute(config.films()).unwrap_or_else(|_| config.films()).display().to_string(),
         roles: config.roles(),
         codes: code::ALL.iter().map(|code| told(code)).collect(),
         code_of: |verdict| code_of(&wire::verdict::read(verdict)?).map(|code| code.number),
@@ -316,7 +317,7 @@ fn told(code: &andon_host::log::Code) -> Code {
 /// The names in the job in force; those of the parts alone where there is none.
 fn names(config: &Config, judging: &Judging) -> Job {
     match jobs::file_in_force(config, judging) {
-        Ok(Some((path, file))) => names_in(&path, &file),
+        Ok(Some((path, file))) => Job { steps: with_pictures(&path, &file), ..engineer::names(&file) },
         // The role judge says what is wrong with the file of its job.
         _ => Job {
             parts: config.objects.iter().map(|object| (object.id, object.name.clone())).collect(),
@@ -325,18 +326,10 @@ fn names(config: &Config, judging: &Judging) -> Job {
     }
 }
 
-fn names_in(path: &Path, file: &JobFile) -> Job {
-    let step = |(number, picture)| Step {
-        name: file.step_name(number),
-        contexts: file.step_contexts(number).into_iter().map(|context| context.0).collect(),
-        picture,
-    };
-    Job {
-        hash: file.model_hash(),
-        name: file.name.clone(),
-        parts: file.objects.iter().map(|object| (object.shape.id, object.name.clone())).collect(),
-        steps: step_pictures::read(path, file).into_iter().enumerate().map(step).collect(),
-    }
+fn with_pictures(path: &Path, file: &JobFile) -> Vec<Step> {
+    let pictures = step_pictures::read(path, file);
+    let steps = engineer::names(file).steps.into_iter().zip(pictures);
+    steps.map(|(step, picture)| Step { picture, ..step }).collect()
 }
 
 /// The clips that there are. Where the folder cannot be read, the role `record` says so.
