@@ -226,6 +226,21 @@ def a_bad_configuration_ends_with_78_names_its_place_and_is_not_tried_again(mach
         machine.run("systemctl", "reset-failed")
 
 
+def one_command_installs_a_station_whose_board_an_engineer_may_enter(machine, seen):
+    machine.must("andond", "new", "bench9", "--part", "brick", "--board=9470", "--out", "/root/bench9.toml")
+    said = machine.must("andond", "install", "/root/bench9.toml", "--engineer", "eva", stdin="correct horse battery staple\n")
+    try:
+        assert "http://localhost:9470/engineer" in said, said
+        until(lambda: machine.unit(unit("board", "bench9"))["ActiveState"] == "active", "its board does not start", 60)
+        config = ["-c", "/etc/andon/andon.toml", "-c", "/etc/andon/stations/bench9.toml"]
+        logins = machine.must("andond", "board", "logins", *config, user="andon")
+        assert logins.split() == ["eva", "engineer"], logins
+    finally:
+        machine.run("systemctl", "disable", "andon@bench9.target")
+        machine.run("systemctl", "stop", "andon@bench9.target", *[unit(role, "bench9") for role in ROLES])
+        (machine.root / "etc/andon/stations/bench9.toml").unlink(missing_ok=True)
+
+
 def a_library_that_was_upgraded_interrupts_no_station(machine, seen):
     machine.must("systemctl", "start", TARGET)
     until(lambda: all_active(machine), "the station does not come up", 30)
@@ -299,6 +314,7 @@ CHECKS = [
     a_recorder_that_runs_only_where_nothing_else_has_to_leaves_recordings_that_open,
     stopping_the_station_leaves_no_process_and_no_shared_memory,
     a_bad_configuration_ends_with_78_names_its_place_and_is_not_tried_again,
+    one_command_installs_a_station_whose_board_an_engineer_may_enter,
     a_library_that_was_upgraded_interrupts_no_station,
     an_upgrade_keeps_what_was_changed_and_the_line_comes_back,
     an_enabled_station_comes_back_after_a_reboot,

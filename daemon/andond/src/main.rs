@@ -44,6 +44,7 @@ fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
     let code = match command {
         Command::Demo(arguments) => tool::demo::run(&arguments)?.into(),
         Command::New(arguments) => tool::new::run(&arguments)?.into(),
+        Command::Install(arguments) => tool::install::run(&arguments)?.into(),
         Command::Markers(arguments) => tool::markers::run(&arguments)?.into(),
         Command::Look(arguments) => tool::look::run(&arguments)?.into(),
         Command::Teach(arguments) => tool::teach::run(&arguments)?.into(),

@@ -26,12 +26,25 @@ pub struct New {
     /// The hands that work here [default: both]
     #[arg(long, value_enum)]
     pub hands: Option<Hands>,
+    /// Give it a board on this port of the machine, on which an engineer teaches jobs; a station beside it needs another port
+    #[arg(long, value_name = "PORT", num_args = 0..=1, require_equals = true, default_missing_value = "9465", value_parser = clap::value_parser!(u16).range(1..))]
+    pub board: Option<u16>,
     /// The station file to write [default: NAME.toml]
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Replace an existing file
     #[arg(long)]
     pub force: bool,
+}
+
+/// `andond install`
+#[derive(Debug, Args)]
+pub struct Install {
+    /// The file of the station, as `andond new --board` or an engineer on the board of another station has written it
+    pub file: PathBuf,
+    /// An engineer who may log in to its board. The password is asked for, or read from the standard input
+    #[arg(long, value_name = "NAME")]
+    pub engineer: Option<String>,
 }
 
 /// The hands that are looked for.

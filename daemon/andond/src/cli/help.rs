@@ -24,6 +24,13 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
             ),
         ],
     ),
+    (
+        "install",
+        &[(
+            "as root: a station whose engineer eva teaches it on its board",
+            "andond install bench1.toml --engineer eva",
+        )],
+    ),
     ("markers", &[("the sheets of a station, to be printed at 100 %", "andond markers -c bench1.toml")]),
     (
         "look",

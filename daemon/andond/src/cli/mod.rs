@@ -18,7 +18,7 @@ use clap::{Args, Parser, Subcommand};
 pub use help::command;
 pub(crate) use help::{examples, exit_codes, exit_table};
 
-pub use bench::{Calibrate, Hands, Look, Markers, New, Paper, Record, Tracks};
+pub use bench::{Calibrate, Hands, Install, Look, Markers, New, Paper, Record, Tracks};
 pub use jobs::{
     Analyze, Cost, Experiment, Jobs, Name, Names, Replay, Segment, Teach, ThresholdRule, Use, Whatif,
 };
@@ -43,6 +43,8 @@ pub enum Command {
     Demo(Demo),
     /// Write the file of a new station: its parts, their markers, its camera
     New(New),
+    /// Install a station that was written: its file, an engineer's login, and its start
+    Install(Install),
     /// Print the markers of a station in true size, as PDF and SVG
     Markers(Markers),
     /// Show what the camera sees and say what to improve: light, sharpness, sizes of markers, hands

@@ -40,6 +40,11 @@ pub struct Unusable {
 }
 
 impl Unusable {
+    /// What is wrong in the configuration alone.
+    pub(super) fn of_files(file: Vec<String>) -> Self {
+        Self { file, machine: Vec::new() }
+    }
+
     /// A configuration that is right needs no other one, but a machine that can do what it says.
     pub(super) fn code(&self) -> Code {
         if self.file.is_empty() { Code::Fault } else { Code::Configuration }

@@ -123,6 +123,20 @@ pub enum ToolError {
     /// A result would replace an existing file.
     #[error("{}: it exists already; name another file, or replace it with --force", .0.display())]
     Exists(PathBuf),
+    /// A station has this name already.
+    #[error("{}: a station of this name is installed: change its file there, and restart its target", .0.display())]
+    Installed(PathBuf),
+    /// Only root may do it.
+    #[error("only an administrator installs a station: run it with sudo")]
+    NotRoot,
+    /// A program of the system has not done its part.
+    #[error("{command}: {what}")]
+    System {
+        /// Its command line.
+        command: String,
+        /// What became of it.
+        what: String,
+    },
     /// The job file that the command needs is not there.
     #[error("job {}: {source}; teach it with `andond teach`", path.display())]
     NoJob {
@@ -387,6 +401,8 @@ impl ToolError {
             | Self::Demo { .. }
             | Self::NotUp(_)
             | Self::NoAnswer
+            | Self::NotRoot
+            | Self::System { .. }
             | Self::Unkept
             | Self::NoFrames
             | Self::PartRefused(_) => Code::Fault,
@@ -415,6 +431,7 @@ impl ToolError {
             | Self::Read { .. }
             | Self::Write { .. }
             | Self::Exists(_)
+            | Self::Installed(_)
             | Self::Recording(_)
             | Self::Run { .. }
             | Self::MixedSpaces(_)

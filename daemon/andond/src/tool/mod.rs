@@ -16,6 +16,7 @@ pub mod explain;
 pub mod forget;
 pub mod history;
 pub mod idle;
+pub mod install;
 mod job;
 pub mod jobs;
 mod join;

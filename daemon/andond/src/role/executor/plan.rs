@@ -263,8 +263,13 @@ impl Desk<'_> {
         if parts.is_empty() {
             return Err("a station has a part".into());
         }
-        let mut arguments: Vec<OsString> = vec!["new".into(), "--force".into(), "--out".into()];
-        arguments.push(self.made.station(name).into());
+        let file = self.made.station(name);
+        // Its board is on the same machine, and has no other's port.
+        let others = self.made.stations().iter().filter(|other| **other != file).count();
+        let port = usize::from(self.config.board.port) + 1 + others;
+        let mut arguments: Vec<OsString> =
+            vec!["new".into(), "--force".into(), format!("--board={port}").into()];
+        arguments.extend(["--out".into(), file.into()]);
         arguments.extend(parts.iter().map(|part| format!("--part={part}").into()));
         if !camera.is_empty() {
             arguments.push(format!("--camera={camera}").into());
@@ -427,7 +432,7 @@ mod tests {
         assert_eq!(
             plan(TaskKind::New, "bench2", "/dev/video1\nbrick=0.033\n\nsaw blade", 0),
             [format!(
-                "new --force --out {} --part=brick=0.033 --part=saw blade --camera=/dev/video1 -- bench2",
+                "new --force --board=9466 --out {} --part=brick=0.033 --part=saw blade --camera=/dev/video1 -- bench2",
                 at("stations/bench2.toml")
             )]
         );

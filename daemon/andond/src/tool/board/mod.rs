@@ -83,7 +83,7 @@ fn kiosk(arguments: &Named) -> Result<(), ToolError> {
 }
 
 /// The address by which a browser calls the board.
-fn address(config: &Config) -> String {
+pub(super) fn address(config: &Config) -> String {
     let board = &config.board;
     let scheme = if board.certificate.is_some() { "https" } else { "http" };
     let host = match (board.hosts.first(), board.bind) {

@@ -8,7 +8,7 @@ use andon_host::config::{Config, Source};
 use andon_learn::file;
 
 /// What this station shares with one beside it.
-pub(super) fn faults(config: &Config) -> Vec<String> {
+pub(in crate::tool) fn faults(config: &Config) -> Vec<String> {
     let what_is_shared = |(path, other): (PathBuf, Config)| {
         let own = config.files.last().and_then(|own| file::read(own).ok());
         if own.is_some() && own == file::read(&path).ok() {
@@ -56,12 +56,16 @@ fn shared(config: &Config, other: &Config) -> impl Iterator<Item = String> {
         .then_some(())
         .filter(|()| overlap(config.plc.bind, other.plc.bind))
         .map(|()| format!("plc.port: this station listens on port {}", config.plc.port));
+    let board = (config.board.enable && other.board.enable && config.board.port == other.board.port)
+        .then_some(())
+        .filter(|()| overlap(config.board.bind, other.board.bind))
+        .map(|()| format!("board.port: the board of this station listens on port {}", config.board.port));
     let journal = (config.journal_path() == other.journal_path())
         .then(|| format!("journal.path: this station writes {}", config.journal_path().display()));
     let camera = camera(config)
         .filter(|own| camera(other).as_ref() == Some(own))
         .map(|own| format!("camera: this station looks through {own}"));
-    [name, port, journal, camera].into_iter().flatten()
+    [name, port, board, journal, camera].into_iter().flatten()
 }
 
 /// An address that means all of them is every other one as well.

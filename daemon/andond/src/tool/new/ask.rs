@@ -106,6 +106,7 @@ mod tests {
             side: None,
             camera: None,
             hands: None,
+            board: None,
             out: None,
             force: false,
         }

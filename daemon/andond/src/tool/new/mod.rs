@@ -46,6 +46,7 @@ pub fn run(arguments: &New) -> Result<Code, ToolError> {
         parts: parts(&answers.parts, answers.side_m)?,
         camera: camera(&answers.camera)?,
         hands: answers.hands,
+        board: arguments.board,
         installation: Installation::of_this_machine(),
     };
     atomic::write(&out, station.text().as_bytes()).map_err(cannot_write(&out))?;
@@ -117,6 +118,16 @@ fn summary(station: &Station, out: &Path) -> String {
         1 => "one part".to_owned(),
         count => format!("{count} parts"),
     };
+    if station.board.is_some() {
+        let file = std::path::absolute(out).unwrap_or_else(|_| out.to_owned());
+        return format!(
+            "{}: the station {} with {count}\n{parts}\nNext, by an administrator of this machine, with the name of whoever is to teach it:\n  \
+             sudo andond install {} --engineer NAME\n",
+            file.display(),
+            station.name,
+            file.display()
+        );
+    }
     format!(
         "{file}: the station {} with {count}\n{parts}\nNext:\n  andond markers -c {file}    print the markers, and stick them flat on the parts\n  \
          andond check -c {file}      says what is wrong in the file, and what this machine lacks\n  \

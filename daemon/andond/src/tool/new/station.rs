@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use andon_host::config::Config;
+use andon_host::config::{Config, STATE};
 
 use super::hands_listed;
 use crate::cli::Hands;
@@ -57,6 +57,8 @@ pub(super) struct Station {
     pub(super) parts: Vec<Part>,
     pub(super) camera: Camera,
     pub(super) hands: Hands,
+    /// The port of its board, if it has one.
+    pub(super) board: Option<u16>,
     pub(super) installation: Installation,
 }
 
@@ -64,6 +66,10 @@ impl Station {
     /// Where its jobs lie, from the folder of its file.
     pub(super) fn jobs(&self) -> PathBuf {
         match self.installation {
+            // There the units write, so that an engineer can teach.
+            Installation::Package if self.board.is_some() => {
+                Path::new(STATE).join(format!("{}.jobs", self.name))
+            }
             Installation::Package => Config::default().station.jobs,
             Installation::Sources { .. } => "jobs".into(),
         }
@@ -81,6 +87,9 @@ impl Station {
             text += "# Without root's rights. Where the package is installed, leave this key out: a cleaner of /tmp would split the line.\n\
                      root = \"/tmp/andon\"\n";
             text += "# Where `andond jobs` and `andond use` look.\njobs = \"jobs\"\n";
+        }
+        if let (Installation::Package, Some(_)) = (&self.installation, self.board) {
+            let _ = writeln!(text, "# Where an engineer's jobs lie.\njobs = {}", quoted_path(&self.jobs()));
         }
         let _ = writeln!(
             text,
@@ -103,6 +112,13 @@ impl Station {
             );
         }
         text += "[plc]\n# Modbus TCP; with true, `allow` and `writes` say who may connect and who may command.\nenable = false\n";
+        if let Some(port) = self.board {
+            let _ = writeln!(
+                text,
+                "\n[board]\n# Pages for worker, technician and engineer, in a browser of this machine. `language` is one of de, en, es, fr, zh.\n\
+                 enable = true\nport = {port}\nlanguage = \"en\"\n\n[executor]\n# What an engineer orders on the board is done.\nenable = true"
+            );
+        }
         if let Installation::Sources { .. } = self.installation {
             let _ = writeln!(text, "\n[journal]\npath = {}", quoted(&format!("{}.sqlite", self.name)));
         }
@@ -147,7 +163,7 @@ mod tests {
     fn station(camera: Camera, installation: Installation) -> Station {
         let part = |(id, name): (u16, &str)| Part { id, name: name.into(), side_m: 0.036 };
         let parts = [(1, "brick"), (2, "the \"grey\" Schleifklotz\\2")].map(part).into();
-        Station { name: "bench1".into(), parts, camera, hands: Hands::Right, installation }
+        Station { name: "bench1".into(), parts, camera, hands: Hands::Right, board: None, installation }
     }
 
     fn read(station: &Station) -> Config {
@@ -170,6 +186,10 @@ mod tests {
             .collect();
         assert_eq!(objects, [(1, "brick", 0.036), (2, "the \"grey\" Schleifklotz\\2", 0.036)]);
         assert_eq!(config.station.root, Path::new("/run/andon"));
+
+        let config = read(&Station { board: Some(9470), ..installed });
+        assert_eq!((config.board.enable, config.board.port, config.executor.enable), (true, 9470, true));
+        assert_eq!(config.station.jobs, Path::new("/var/lib/andon/bench1.jobs"));
 
         let models = tempfile::tempdir().unwrap();
         let film = models.path().join("run 1.mp4");
