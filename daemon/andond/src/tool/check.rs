@@ -1,7 +1,7 @@
 //! `andond check`: reads the configuration, opens what the roles will open, and reports every fault.
 
 pub(super) mod neighbours;
-mod unit;
+pub(super) mod unit;
 
 use std::fmt;
 use std::io::Read as _;

@@ -14,8 +14,7 @@ use andon_host::exit::Code;
 use andon_learn::file;
 
 use super::board::address;
-use super::check::Unusable;
-use super::check::neighbours;
+use super::check::{Unusable, neighbours, unit};
 use super::{ToolError, cannot_write};
 use crate::cli::Install;
 
@@ -31,6 +30,9 @@ pub fn run(arguments: &Install) -> Result<Code, ToolError> {
         return Err(ToolError::NotRoot);
     }
     let config = install(arguments, Path::new(PACKAGED), &mut call)?;
+    for unseen in unit::unseen(&config, false) {
+        println!("{unseen}");
+    }
     println!("the station {} starts", config.station.name);
     if config.board.enable {
         println!("its board: {}/engineer", address(&config));
@@ -60,7 +62,8 @@ fn install(
             expected: "the file gives the station no board, as `andond new --board` does",
         });
     }
-    config.files = vec![base.clone(), own.clone()];
+    let files = [base.clone(), own.clone()];
+    config.files = files.to_vec();
     let shared = neighbours::faults(&config);
     if !shared.is_empty() {
         return Err(ToolError::Unusable(Unusable::of_files(shared)));
@@ -78,7 +81,8 @@ fn install(
     // Whoever waits for the start waits for its camera as well.
     let start = ["systemctl", "enable", "--now", "--no-block"].map(OsString::from);
     call(&[start.as_slice(), &[format!("andon@{name}.target").into()]].concat())?;
-    Ok(config)
+    // What it names beside it lies beside the new place.
+    Ok(Config::load(&files)?)
 }
 
 /// The command line that makes a login, as the user of the units: the file belongs to them.

@@ -9,7 +9,7 @@ use andon_host::config::{Config, RecordMode, STATE};
 const PACKAGED: &str = "/etc/andon";
 
 /// What is said of a station that the units of the package run; nothing of another one.
-pub(super) fn unseen(config: &Config, is_root: bool) -> Vec<String> {
+pub(in crate::tool) fn unseen(config: &Config, is_root: bool) -> Vec<String> {
     let is_packaged = |file: &PathBuf| std::path::absolute(file).is_ok_and(|file| file.starts_with(PACKAGED));
     if !config.files.iter().any(is_packaged) {
         return Vec::new();
