@@ -72,8 +72,11 @@ pub(super) fn line(html: &mut Html, board: &Board, words: &Table, address: &Addr
     }
     html.raw("</p>");
     if state == State::NoJob {
-        html.raw("<p class=\"turns\"><a href=\"").text(&address.on(Page::Engineer).link());
-        html.element("\">", words.say("label.engineer"), "</a> ");
+        html.raw("<p class=\"turns\">");
+        if address.page != Page::Engineer {
+            html.raw("<a href=\"").text(&address.on(Page::Engineer).link());
+            html.element("\">", words.say("label.engineer"), "</a> ");
+        }
         let code = board.health_of(RoleId::Judge).map_or(0, |of| of.last_error);
         explain::short(html, board, words, address, code);
         html.raw("</p>");
