@@ -238,7 +238,8 @@ def one_command_installs_a_station_whose_board_an_engineer_may_enter(machine, se
     finally:
         machine.run("systemctl", "disable", "andon@bench9.target")
         machine.run("systemctl", "stop", "andon@bench9.target", *[unit(role, "bench9") for role in ROLES])
-        (machine.root / "etc/andon/stations/bench9.toml").unlink(missing_ok=True)
+        for folder in ["etc/andon/stations", "root"]:
+            (machine.root / folder / "bench9.toml").unlink(missing_ok=True)
 
 
 def a_library_that_was_upgraded_interrupts_no_station(machine, seen):
