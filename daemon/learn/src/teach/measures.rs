@@ -389,6 +389,7 @@ pub(super) fn interval(
     // The mean is that person's, from whom another one differs, and both do from time to time.
     let of_one = 2.0 * (1.0 - OF_ONE_PERSON) * prior + variance_of_one_more(values, OF_ONE_PERSON * prior);
     let spread = (of_many + one_person * (of_one - of_many).max(0.0)).sqrt();
+    // How much more than others these people differ is as uncertain again.
     let known = 1.0 / (1.0 / pooled_freedom(values.len()) + 1.0 / freedom);
     // Half of them on each side.
     (mean(values), strength.wider() * student_t(known, false_alarms / 2.0) * spread)
@@ -539,6 +540,17 @@ mod tests {
             rates.reversals(&iu, Strength::GENERAL).min
         };
         assert_eq!([min(0.07, 1.0), min(0.07, 3.0), min(0.04, 1.0), min(0.2, 3.0)], [12, 10, 12, 12]);
+    }
+
+    #[test]
+    fn that_people_differ_more_is_uncertain_and_makes_the_bounds_wider_than_as_many_times() {
+        let values = [0.1, -0.2, 0.3, -0.1, 0.0, 0.2, -0.3];
+        let apart = |prior, variety, freedom| {
+            interval(&values, prior, 0.01, People { one_person: 0.0, variety, freedom }, Strength::GENERAL).1
+        };
+        // The spread is the same, and there are half of 22 degrees of freedom instead of 22.
+        let ratio = apart(0.1, 2.0, 22.0) / apart(0.2, 1.0, f64::INFINITY);
+        assert!((ratio - student_t(11.0, 0.005) / student_t(22.0, 0.005)).abs() < 1e-9, "{ratio}");
     }
 
     #[test]
