@@ -14,12 +14,10 @@ use andon_host::exit::Code;
 use andon_learn::file;
 
 use super::board::address;
-use super::check::{Unusable, neighbours, unit};
+use super::check::unit::{self, PACKAGED};
+use super::check::{Unusable, neighbours};
 use super::{ToolError, cannot_write};
 use crate::cli::Install;
-
-/// Where the units of the package look.
-const PACKAGED: &str = "/etc/andon";
 
 /// Runs the command.
 ///

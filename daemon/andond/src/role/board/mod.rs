@@ -21,13 +21,12 @@ use std::path::Path;
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
-use andon_board::{Board, Clips, Code, Inbox, Job, Line, Said, Settings, Step, Stop, Tables};
+use andon_board::{Board, Clips, Code, Inbox, Job, Line, Said, Settings, Stop, Tables};
 use andon_host::config::{Config, RecordMode};
 use andon_host::log::{code, log};
 use andon_host::role::{Cycle, Role, Turn};
 use andon_http::{Offer, Server};
 use andon_ipc::{MonotonicTime, Node, Port, Reader, Wake};
-use andon_learn::job_file::JobFile;
 use andon_plc::handshake::{Fault, Line as PlcLine};
 use andon_record::store;
 use camera::Camera;
@@ -317,7 +316,7 @@ fn told(code: &andon_host::log::Code) -> Code {
 /// The names in the job in force; those of the parts alone where there is none.
 fn names(config: &Config, judging: &Judging) -> Job {
     match jobs::file_in_force(config, judging) {
-        Ok(Some((path, file))) => Job { steps: with_pictures(&path, &file), ..engineer::names(&file) },
+        Ok(Some((path, file))) => with_pictures(engineer::names(&file), step_pictures::read(&path, &file)),
         // The role judge says what is wrong with the file of its job.
         _ => Job {
             parts: config.objects.iter().map(|object| (object.id, object.name.clone())).collect(),
@@ -326,10 +325,11 @@ fn names(config: &Config, judging: &Judging) -> Job {
     }
 }
 
-fn with_pictures(path: &Path, file: &JobFile) -> Vec<Step> {
-    let pictures = step_pictures::read(path, file);
-    let steps = engineer::names(file).steps.into_iter().zip(pictures);
-    steps.map(|(step, picture)| Step { picture, ..step }).collect()
+fn with_pictures(mut job: Job, pictures: Vec<Option<Vec<u8>>>) -> Job {
+    for (step, picture) in job.steps.iter_mut().zip(pictures) {
+        step.picture = picture;
+    }
+    job
 }
 
 /// The clips that there are. Where the folder cannot be read, the role `record` says so.

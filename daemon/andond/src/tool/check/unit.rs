@@ -6,7 +6,7 @@ use andon_host::atomic::folder_of;
 use andon_host::config::{Config, RecordMode, STATE};
 
 /// Where the units of the package look for their configuration.
-const PACKAGED: &str = "/etc/andon";
+pub(in crate::tool) const PACKAGED: &str = "/etc/andon";
 
 /// What is said of a station that the units of the package run; nothing of another one.
 pub(in crate::tool) fn unseen(config: &Config, is_root: bool) -> Vec<String> {
