@@ -227,8 +227,8 @@ def a_bad_configuration_ends_with_78_names_its_place_and_is_not_tried_again(mach
 
 
 def one_command_installs_a_station_whose_board_an_engineer_may_enter(machine, seen):
-    machine.must("andond", "new", "bench9", "--part", "brick", "--board=9470", "--out", "/root/bench9.toml")
-    said = machine.must("andond", "install", "/root/bench9.toml", "--engineer", "eva", stdin="correct horse battery staple\n")
+    machine.must("andond", "new", "bench9", "--part", "brick", "--board=9470", "--out", "/run/bench9.toml")
+    said = machine.must("andond", "install", "/run/bench9.toml", "--engineer", "eva", stdin="correct horse battery staple\n")
     try:
         assert "http://localhost:9470/engineer" in said, said
         until(lambda: machine.unit(unit("board", "bench9"))["ActiveState"] == "active", "its board does not start", 60)
@@ -238,8 +238,7 @@ def one_command_installs_a_station_whose_board_an_engineer_may_enter(machine, se
     finally:
         machine.run("systemctl", "disable", "andon@bench9.target")
         machine.run("systemctl", "stop", "andon@bench9.target", *[unit(role, "bench9") for role in ROLES])
-        for folder in ["etc/andon/stations", "root"]:
-            (machine.root / folder / "bench9.toml").unlink(missing_ok=True)
+        (machine.root / "etc/andon/stations/bench9.toml").unlink(missing_ok=True)
 
 
 def a_library_that_was_upgraded_interrupts_no_station(machine, seen):

@@ -26,8 +26,7 @@ fn at_work() -> (Line, Watcher, String) {
     line.record("fault");
     let watcher = line.up();
     line.start("record");
-    line.start("board");
-    line.wait_for_log("board", "AND-620", "");
+    line.start_board();
     Modbus::connect_when_up(line.port).wait_for(status::READY);
     (line, watcher, format!("http://localhost:{port}"))
 }
@@ -71,8 +70,7 @@ fn a_fault_on_a_film_a_board_that_is_killed_and_a_dead_line_are_said_and_the_pag
     let tab = browser.open("data:text/html,warm", FULL_HD);
     line.start("steward");
     let mut watcher = Watcher::join(&line.station);
-    line.start("board");
-    line.wait_for_log("board", "AND-620", "");
+    line.start_board();
     browser.go(&tab, &format!("http://localhost:{port}/?lang=de"));
     browser.until(&tab, &says(&["STARTET"]));
     assert_eq!(browser.value(&tab, OBSERVE), json!(true));
@@ -316,8 +314,7 @@ fn the_technician_sees_the_picture_with_what_is_seen_in_it_and_nobody_reads_fram
     line.start("steward");
     line.start_all_but(&["steward"]);
     line.start("capture");
-    line.start("board");
-    line.wait_for_log("board", "AND-620", "");
+    line.start_board();
     Modbus::connect_when_up(line.port).wait_for(status::READY);
     let free = places(&line);
     let mut browser = Browser::start();
@@ -349,8 +346,7 @@ fn recorded() -> (Line, u16) {
     let port = line.board("enable = true\n");
     line.record("fault");
     let _watcher = line.launch_recorded();
-    line.start("board");
-    line.wait_for_log("board", "AND-620", "");
+    line.start_board();
     line.start("capture");
     line.wait_for_log("record", "AND-411", "");
     line.roles.retain(|role| role.role != "capture");
@@ -548,8 +544,7 @@ fn the_worker_sees_a_step_with_its_picture_where_teach_was_asked_to_keep_one() {
     line.start("steward");
     line.start_all_but(&["steward"]);
     line.start("capture");
-    line.start("board");
-    line.wait_for_log("board", "AND-620", "");
+    line.start_board();
     let mut browser = Browser::start();
     let tab = browser.open(&format!("http://localhost:{port}/"), FULL_HD);
     browser.until(&tab, "[...document.querySelectorAll('.steps img')].filter((picture) => picture.naturalWidth > 0).length === 2");

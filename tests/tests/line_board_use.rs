@@ -79,8 +79,7 @@ fn worker_and_technician_read_their_language_and_no_other() {
     let mut line = Line::new(Settings { flaw: Flaw::J1, ..Settings::live() });
     let port = line.board("enable = true\n");
     let mut watcher = line.up();
-    line.start("board");
-    line.wait_for_log("board", "AND-620", "");
+    line.start_board();
     watcher.until("a fault", |watcher| watcher.verdicts.iter().any(|verdict| verdict.outcome == 2));
     let mut browser = Browser::start();
     let tab = browser.open("about:blank#", FULL_HD);
@@ -177,8 +176,7 @@ fn a_page_that_did_not_get_its_script_or_its_style_is_loaded_again_by_itself() {
     let mut line = Line::new(Settings::live());
     let port = line.board("enable = true\n");
     let _watcher = line.up();
-    line.start("board");
-    line.wait_for_log("board", "AND-620", "");
+    line.start_board();
     let mut browser = Browser::start();
     let tab = browser.open("data:text/html,warm", FULL_HD);
     let is_whole = "!window.isOld && typeof hear === 'function' && document.getElementById('lost').hidden
@@ -205,8 +203,7 @@ fn a_board_without_its_port_or_its_words_says_so() {
     line.start("board");
     line.wait_for_log("board", "AND-622", "choose another board.port");
     drop(taken);
-    line.start("board");
-    line.wait_for_log("board", "AND-620", "");
+    line.start_board();
     line.reconfigure("[board]\n", "[board]\nlanguage = \"tlh\"\n");
     let run = ["run", "board", "--as-given", "--config"];
     let output = Command::new(andond()).args(run).arg(line.config()).output().unwrap();
@@ -263,8 +260,7 @@ fn pages_behind_a_network_that_is_cut_say_so_and_come_back_by_themselves_with_wh
     let mut line = Line::new(Settings { flaw: Flaw::J1, ..Settings::live() });
     let port = line.board("enable = true\nhosts = [\"bench1\"]\n");
     let mut watcher = line.up();
-    line.start("board");
-    line.wait_for_log("board", "AND-620", "");
+    line.start_board();
     let network = Network::before(port);
     let through = format!("--host-resolver-rules=MAP bench1:{port} 127.0.0.1:{}", network.port);
     let mut browser = Browser::start_with(&[&through]);

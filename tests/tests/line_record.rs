@@ -62,6 +62,15 @@ fn a_line_that_is_recorded_is_judged_again_with_the_same_verdicts_to_the_bit() {
     assert_eq!(output.status.code(), Some(1), "{}", all_output(&output));
 }
 
+/// Aborts the piece in progress and begins the next one.
+fn abort_and_start(plc: &mut Modbus, watcher: &mut Watcher) {
+    plc.control(control::ENABLE | control::ABORT).unwrap();
+    watcher.until("the end of the piece", |watcher| watcher.phase() == Some(JudgePhase::Waiting));
+    plc.control(control::ENABLE).unwrap();
+    plc.control(control::ENABLE | control::START).unwrap();
+    watcher.until("a piece", |watcher| watcher.phase() == Some(JudgePhase::Running));
+}
+
 /// Aborts what is running and loads the other job. A worker who goes on may have begun the next piece before that: then once more.
 fn load_second_job(plc: &mut Modbus, watcher: &mut Watcher) {
     let until = Instant::now() + PATIENCE;
@@ -89,11 +98,7 @@ fn commands_in_the_middle_of_a_job_come_at_the_same_place_again() {
     watcher.until("a piece", |watcher| watcher.phase() == Some(JudgePhase::Running));
     watcher.until("verdicts", |watcher| watcher.verdicts.len() >= 2);
     // Abort, then start again, then nobody watches for a while, then another job.
-    plc.control(control::ENABLE | control::ABORT).unwrap();
-    watcher.until("the end of the piece", |watcher| watcher.phase() == Some(JudgePhase::Waiting));
-    plc.control(control::ENABLE).unwrap();
-    plc.control(control::ENABLE | control::START).unwrap();
-    watcher.until("a piece", |watcher| watcher.phase() == Some(JudgePhase::Running));
+    abort_and_start(&mut plc, &mut watcher);
     plc.control(control::ENABLE).unwrap();
     let before = watcher.verdicts.len();
     watcher.until("more verdicts", |watcher| watcher.verdicts.len() >= before + 2);
@@ -119,11 +124,7 @@ fn a_recorder_that_stands_still_while_commands_come_has_what_became_of_each() {
     watcher.until("a piece", |watcher| watcher.phase() == Some(JudgePhase::Running));
     line.role("record").signal(Signal::STOP);
     for _ in 0..4 {
-        plc.control(control::ENABLE | control::ABORT).unwrap();
-        watcher.until("the end of the piece", |watcher| watcher.phase() == Some(JudgePhase::Waiting));
-        plc.control(control::ENABLE).unwrap();
-        plc.control(control::ENABLE | control::START).unwrap();
-        watcher.until("a piece", |watcher| watcher.phase() == Some(JudgePhase::Running));
+        abort_and_start(&mut plc, &mut watcher);
     }
     line.role("record").signal(Signal::CONT);
     plc.control(control::ENABLE).unwrap();

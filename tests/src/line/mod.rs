@@ -156,6 +156,12 @@ impl Line {
         port
     }
 
+    /// Starts the role `board`, and waits until its pages can be asked for.
+    pub fn start_board(&mut self) {
+        self.start("board");
+        self.wait_for_log("board", "AND-620", "");
+    }
+
     /// The worker's track file.
     pub fn tracks(&self) -> PathBuf {
         self.path("work.tracks.jsonl")
