@@ -9,7 +9,7 @@ use super::occlusion::{Cause, OcclusionLog, too_few_frames};
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Couple, Motion, Unseen};
-use crate::segment::{HandEvent, Iu, Measures};
+use crate::segment::{HandEvent, Iu, Measures, WORLDS};
 use crate::set::ActivitySet;
 use crate::verdict::{Outcome, Reason};
 
@@ -234,7 +234,12 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     }
 
     /// The open IU continues with `couple`. Decides what can be decided before its end.
-    pub(super) fn continue_iu(&mut self, couple: &Couple, measures: Measures, progress: &mut Progress<'a>) {
+    pub(super) fn continue_iu(
+        &mut self,
+        couple: &Couple,
+        measures: [Measures; WORLDS],
+        progress: &mut Progress<'a>,
+    ) {
         self.watch_held(couple, progress);
         let is_forgotten = self.activity.is_none() && self.doubt.is_certain() && !self.doubt.may_be_remainder;
         if is_forgotten {
@@ -300,6 +305,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 frames: iu.frames,
                 measured: iu.measured,
                 measures: iu.measures,
+                measures_at_pace: iu.measures_at_pace,
                 gap_after: self.doubt.gap(),
                 ended: true,
                 may_be_part: open.observation.may_be_part || self.is_broken_off || !is_certain,

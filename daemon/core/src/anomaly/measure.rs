@@ -11,23 +11,35 @@ const PER_STROKE: u32 = 2;
 
 impl IuObservation {
     /// The rule that a measure breaks, with the one that says most to a person: strokes rather than their time. With `may_be_hidden` only if no motion
-    /// in the frames that were not seen could have kept it. A path that was seen is not too long only because something else was not.
+    /// in the frames that were not seen could have kept it.
     pub(super) fn broken(&self, iu: &NominalIu<'_>, may_be_hidden: bool) -> Option<(Reason, Measure)> {
+        let broken = self.broken_by(&self.measures, iu, may_be_hidden)?;
+        let is_broken_at_pace = || self.broken_by(&self.measures_at_pace, iu, may_be_hidden).is_some();
+        (!may_be_hidden || is_broken_at_pace()).then_some(broken)
+    }
+
+    /// The rule that these measures break. A path that was seen is not too long only because something else was not.
+    fn broken_by(
+        &self,
+        measures: &Measures,
+        iu: &NominalIu<'_>,
+        may_be_hidden: bool,
+    ) -> Option<(Reason, Measure)> {
         let hidden = if may_be_hidden { self.hidden() } else { 0.0 };
         let [min_frames, max_frames] =
             if may_be_hidden { self.possible_frames() } else { [self.worked_frames(), self.frames] };
         // With fewer frames contacts are believed later. Gaps at the ends are in the possible frames already.
-        let missing = if may_be_hidden { self.measures.hidden } else { 0.0 };
+        let missing = if may_be_hidden { measures.hidden } else { 0.0 };
         let max_frames = max_frames as f32 * (1.0 + HIDDEN_SLACK * missing);
         let hidden_reversals =
-            if may_be_hidden { self.possible_reversals() } else { self.assumed_reversals() };
+            if may_be_hidden { self.possible_reversals(measures) } else { self.assumed_reversals() };
         let MeasureBounds { path_m, .. } = iu.measures;
         let speed = path_m.max.min(f32::MAX) / iu.quickest().max(1) as f32;
         // Hidden motion may have been faster than seen motion.
         let share = HIDDEN_SLACK * hidden;
         let hidden_m = share * self.frames as f32 * speed;
         let Measures { reversals, path_m: walked_m, detour_m, lateral_m, unseen_before_way, drift_m, .. } =
-            self.measures;
+            *measures;
         // Which frames were seen decides where the steps of a path end, at each reversal and at last. So do errors, where nothing says how large
         // they are.
         let is_inexact = hidden > 0.0 || may_be_hidden && drift_m == 0.0;
@@ -42,8 +54,10 @@ impl IuObservation {
         let is_way_inexact = is_inexact || unseen > 0.0;
         let lateral_step_m = if is_way_inexact { ENDS as f32 * MOVED_M + unseen * speed } else { 0.0 };
         let is_lateral = lateral_m > iu.measures.max_lateral_m + lateral_step_m;
+        // Where its beginning was not seen, the first stroke may have turned back elsewhere.
+        let elsewhere = if may_be_hidden { self.gap_before.min(1) } else { 0 };
         let too_long = first(&[
-            (reversals > iu.reversals.max, Measure::Strokes),
+            (reversals.saturating_sub(elsewhere) > iu.reversals.max, Measure::Strokes),
             (min_frames > iu.frames.max, Measure::Duration),
             (is_lateral, Measure::LateralDeviation),
             (is_detour, Measure::Path),
@@ -61,14 +75,10 @@ impl IuObservation {
             return None;
         }
         // Where nothing says how large errors are, each end of a stroke may be wrong.
-        let cut_m = match may_be_hidden {
-            false => 0.0,
-            true if drift_m > 0.0 => self.measures.cut_m,
-            true => reversals as f32 * MOVED_M,
-        };
+        let cut_m = if may_be_hidden && drift_m == 0.0 { reversals as f32 * MOVED_M } else { 0.0 };
         let possible =
             Possible { share, hidden_m, cut_m, reversals: if may_be_hidden { hidden_reversals } else { 0 } };
-        let elsewhere = first(&self.elsewhere_broken(&iu.measures, possible));
+        let elsewhere = first(&elsewhere_broken(measures, &iu.measures, possible));
         match (too_short(), elsewhere) {
             // Strokes that are small or go across are counted badly.
             (Some(Measure::Strokes), Some(other))
@@ -79,32 +89,6 @@ impl IuObservation {
             (Some(measure), _) => Some((Reason::TooShort, measure)),
             (None, elsewhere) => elsewhere.map(|measure| (Reason::Motion, measure)),
         }
-    }
-
-    /// Whether size, direction and place of the motion are wrong, whatever was hidden.
-    fn elsewhere_broken(&self, bounds: &MeasureBounds, possible: Possible) -> [(bool, Measure); 3] {
-        let measures = &self.measures;
-        let moved_m = possible.share * (measures.path_m + possible.hidden_m);
-        let [least, most] = self.possible_stroke_m(possible);
-        [
-            (most < bounds.stroke_m.min || least > bounds.stroke_m.max, Measure::StrokeLength),
-            (!bounds.axis.has(measures.axis, possible.share), Measure::Direction),
-            (!bounds.place_m.has(measures.place_m, moved_m), Measure::Place),
-        ]
-    }
-
-    /// The minimum and maximum of the mean length of a stroke. Each reversal that was not seen may have parted the strokes that were, or let one more
-    /// begin before them or end behind them: together they are a part of the path. Strokes may have been longer on both sides of a reversal.
-    fn possible_stroke_m(&self, possible: Possible) -> [f32; 2] {
-        let Measures { reversals, stroke_m, path_m, .. } = self.measures;
-        let Some(stroke_m) = stroke_m else { return [0.0, f32::INFINITY] };
-        let strokes = (reversals - 1) as f32;
-        let sum_m = stroke_m * strokes;
-        let cut_m = ENDS as f32 * possible.cut_m;
-        // Unseen motion may have been a part of the one more.
-        let with_one_more_m = path_m.max(sum_m) * (1.0 + possible.share) + cut_m;
-        let most_m = if possible.reversals > 0 { with_one_more_m / (strokes + 1.0) } else { 0.0 };
-        [sum_m / (strokes + possible.reversals as f32), most_m.max((sum_m + cut_m) / strokes)]
     }
 
     /// What the measure is that breaks this rule, in its unit, beside what was shown of the IU. `rate_hz` is the frame rate of the grid.
@@ -144,6 +128,31 @@ struct Possible {
     cut_m: f32,
     /// How often the motion reversed in it.
     reversals: u32,
+}
+
+/// Whether size, direction and place of the motion are wrong, whatever was hidden.
+fn elsewhere_broken(measures: &Measures, bounds: &MeasureBounds, possible: Possible) -> [(bool, Measure); 3] {
+    let moved_m = possible.share * (measures.path_m + possible.hidden_m);
+    let [least, most] = possible_stroke_m(measures, possible);
+    [
+        (most < bounds.stroke_m.min || least > bounds.stroke_m.max, Measure::StrokeLength),
+        (!bounds.axis.has(measures.axis, possible.share), Measure::Direction),
+        (!bounds.place_m.has(measures.place_m, moved_m), Measure::Place),
+    ]
+}
+
+/// The minimum and maximum of the mean length of a stroke. Each reversal that was not seen may have parted the strokes that were, or let one more
+/// begin before them or end behind them: together they are a part of the path. Strokes may have been longer on both sides of a reversal.
+fn possible_stroke_m(measures: &Measures, possible: Possible) -> [f32; 2] {
+    let Measures { reversals, stroke_m, path_m, .. } = *measures;
+    let Some(stroke_m) = stroke_m else { return [0.0, f32::INFINITY] };
+    let strokes = (reversals - 1) as f32;
+    let sum_m = stroke_m * strokes;
+    let cut_m = ENDS as f32 * possible.cut_m;
+    // Unseen motion may have been a part of the one more.
+    let with_one_more_m = path_m.max(sum_m) * (1.0 + possible.share) + cut_m;
+    let most_m = if possible.reversals > 0 { with_one_more_m / (strokes + 1.0) } else { 0.0 };
+    [sum_m / (strokes + possible.reversals as f32), most_m.max((sum_m + cut_m) / strokes)]
 }
 
 /// The first measure that is broken.

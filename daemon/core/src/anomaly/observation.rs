@@ -2,7 +2,7 @@
 
 use super::occlusion::percent;
 use crate::couple::{Couple, Unseen, Visibility, Waiting};
-use crate::segment::{FRAMES_PER_REVERSAL, Measures};
+use crate::segment::{FRAMES_PER_REVERSAL, Measures, WORLDS};
 use crate::verdict::Reason;
 
 /// How long the IU is, what it measures, and what was not seen of it.
@@ -20,6 +20,8 @@ pub(super) struct IuObservation {
     /// In how many frames a part of it was not seen, even where it was assumed.
     pub(super) assumed: u32,
     pub(super) measures: Measures,
+    /// The same if in each gap its motion went on at its pace before it came back.
+    pub(super) measures_at_pace: Measures,
     /// It has ended.
     pub(super) ended: bool,
     /// It may have begun as many frames earlier.
@@ -45,7 +47,7 @@ const MAX_ASSUMED: f32 = 0.25;
 
 impl IuObservation {
     /// One frame more, with the measures so far; `has_other` is whether there is another hand to wait for.
-    pub(super) fn push(&mut self, couple: &Couple, measures: Measures, has_other: bool) {
+    pub(super) fn push(&mut self, couple: &Couple, measures: [Measures; WORLDS], has_other: bool) {
         let waits = |waiting: Waiting| has_other && couple.waiting == waiting;
         let is_assumed = couple.worst_visibility() != Visibility::Seen;
         self.frames = self.frames.saturating_add(1);
@@ -54,7 +56,7 @@ impl IuObservation {
         self.may_have_waited = self.may_have_waited.saturating_add(waits(Waiting::Unknown).into());
         self.measured = self.measured.saturating_add(couple.motion.is_some().into());
         self.assumed = self.assumed.saturating_add(is_assumed.into());
-        self.measures = measures;
+        [self.measures, self.measures_at_pace] = measures;
         self.has_rested |= couple.motion.is_some_and(|motion| motion.is_pair_at_rest());
         self.is_doubtful |= couple.lacks(Unseen::CHANGE);
     }
@@ -89,13 +91,10 @@ impl IuObservation {
         ]
     }
 
-    /// How often the motion may have reversed in addition, in frames that were not seen, in a row or one by one.
-    pub(super) fn possible_reversals(&self) -> u32 {
-        let scattered = (self.measures.hidden * self.frames as f32) as u32 / FRAMES_PER_REVERSAL;
-        let hidden = self.measures.hidden_reversals.max(scattered);
-        hidden
-            .max(self.measures.cut_reversals)
-            .saturating_add((self.gap_before + self.may_go_on) / FRAMES_PER_REVERSAL)
+    /// How often a motion with these measures may have reversed in addition, in frames that were not seen.
+    pub(super) fn possible_reversals(&self, measures: &Measures) -> u32 {
+        let around = self.gap_before.saturating_add(self.may_go_on) / FRAMES_PER_REVERSAL;
+        measures.hidden_reversals.saturating_add(around)
     }
 
     /// How many reversals were hidden within the IU, if the hand went on at the pace at which it was seen. None where too much was hidden to know.

@@ -1,7 +1,7 @@
 //! The segmentation of one hand.
 
 use super::filter::OpeningClosing;
-use super::measures::{Measures, Meter};
+use super::measures::{Measures, Meter, WORLDS};
 use super::way::Way;
 use super::{HandEvent, Iu};
 use crate::capacity::{ACTIVITIES, FILTER_FRAMES};
@@ -125,8 +125,8 @@ impl Segmenter {
         }
     }
 
-    /// The measures of the open IU so far; those of nothing if none is open.
-    pub fn measures(&self) -> Measures {
+    /// The measures of the open IU so far, as in [`Iu::measures`] and in [`Iu::measures_at_pace`]; those of nothing if none is open.
+    pub fn measures(&self) -> [Measures; WORLDS] {
         self.iu.as_ref().map(|iu| iu.meter.measures(&self.ways[0])).unwrap_or_default()
     }
 
@@ -221,7 +221,8 @@ impl Segmenter {
             if let Some((motion, began_ns)) = eru {
                 emit(HandEvent::Eru { context, motion, began_ns, ended_ns });
             }
-            let iu = Iu { ended_ns, measures: meter.measures(&self.ways[0]), ..so_far };
+            let [measures, measures_at_pace] = meter.measures(&self.ways[0]);
+            let iu = Iu { ended_ns, measures, measures_at_pace, ..so_far };
             emit(HandEvent::IuEnded(iu));
             if let Some(activity) = &mut self.activity {
                 activity.ended_ns = ended_ns;

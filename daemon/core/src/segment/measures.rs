@@ -1,9 +1,10 @@
 //! What is measured of an IU in metres. DTW forgives a motion that was cut short, repeated too often or made small; measures do not.
 
 use super::way::Way;
-use crate::couple::geometry::distance;
+use crate::couple::geometry::{distance, norm, subtract};
 pub use crate::couple::noise::MOVED_M;
 use crate::input::Point;
+use core::array::from_fn;
 
 /// In as many frames in a row that were not seen, a motion may have reversed: quick strokes change the sign of their acceleration every fourth frame.
 /// Halved or doubled, 1 or 5 of 3,700 drawn streams differ.
@@ -16,6 +17,12 @@ pub(crate) const HIDDEN_SLACK: f32 = 2.0;
 /// The share of a frame that is missing between two that were seen: what happened in it can still be known. Halved or doubled, none or 2 of 3,700 drawn
 /// streams differ.
 const SINGLE_FRAME: f32 = 0.2;
+
+/// The longest gap that both paths cross, in frames. In a longer one a motion may have reversed more often than where it went on and came back.
+const MAX_ON: u32 = 2 * FRAMES_PER_REVERSAL;
+
+/// What may have happened in a gap: the motion went straight across it, or went on at its pace before it came back.
+pub(crate) const WORLDS: usize = 2;
 
 /// The measures of one IU, so far or whole.
 ///
@@ -43,11 +50,6 @@ pub struct Measures {
     pub place_m: Point,
     /// How often the motion may have reversed in addition, in frames that were not seen.
     pub hidden_reversals: u32,
-    /// How often it may have reversed in addition: it was seen to come back, and how far was in a frame that is missing.
-    pub cut_reversals: u32,
-    /// By how much the strokes before reversals may have been longer in addition, and those behind them as well, in metres. That is so where the frame
-    /// just before or behind the farthest one that was seen is missing. The pace beside it bounds it, and it counts for 15 mm at most.
-    pub cut_m: f32,
     /// The share of the frames that were not seen, where what happened in them cannot be known; 0 to 1.
     pub hidden: f32,
     /// How far apart two positions may be by drift, in metres; 0 where that is not known.
@@ -62,55 +64,9 @@ impl Measures {
     }
 }
 
-/// Which frames are missing since just before the position that is farthest.
+/// Measures the path of an IU, position by position.
 #[derive(Clone, Copy, Debug, Default)]
-enum Gap {
-    #[default]
-    None,
-    /// Only others than the one just before that position, and the one just behind it.
-    Later,
-    /// One of these two.
-    Beside(Beyond),
-}
-
-/// Frames that are missing beside the farthest position. How far the motion went in the frame before them and in the one behind them, in metres.
-#[derive(Clone, Copy, Debug, Default)]
-struct Beyond {
-    frames: u32,
-    before_m: f32,
-    /// `None` until that is known; infinite across a gap.
-    behind_m: Option<f32>,
-}
-
-impl Beyond {
-    /// With others that are missing as well.
-    fn and(self, other: Self) -> Self {
-        let before_m = self.before_m.max(self.behind_m.unwrap_or(0.0)).max(other.before_m);
-        Self { frames: self.frames.saturating_add(other.frames), before_m, ..other }
-    }
-
-    /// How far beyond the farthest position the motion may have gone. A hand that is about to reverse is hardly ever faster than twice what was seen.
-    fn most_m(&self) -> f32 {
-        let behind_m = self.behind_m.unwrap_or(f32::INFINITY);
-        HIDDEN_SLACK * self.frames as f32 * self.before_m.max(behind_m)
-    }
-}
-
-/// Measures an IU frame by frame, in fixed memory.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Meter {
-    frames: u32,
-    /// Frames with a position, and without one since the newest.
-    known: u32,
-    unknown: u32,
-    /// The newest position, and how far it is from the one in the frame before it; infinite where that is not known.
-    newest: Option<Point>,
-    pace_m: f32,
-    /// Frames without a position, weighted by what may have happened in them.
-    hidden: f32,
-    hidden_reversals: u32,
-    cut_reversals: u32,
-    sum: [f64; 3],
+struct Path {
     /// Where the first step began and the newest one ended.
     began: Point,
     step: Option<Point>,
@@ -120,13 +76,81 @@ pub(super) struct Meter {
     /// Where the motion last reversed, and the position since then that is farthest from there.
     reversed: Point,
     farthest: Point,
-    /// How far the motion has come back from the farthest position so far, and what was missing since just before that.
-    returned_m: f32,
-    gap: Gap,
-    cut_m: f32,
     reversals: u32,
     /// The sum of the lengths of whole strokes.
     strokes_m: f32,
+}
+
+impl Path {
+    /// Takes the next position. What is shorter than `moved_m` may be errors.
+    fn push(&mut self, position: Point, moved_m: f32) {
+        match self.step {
+            None => {
+                (self.began, self.step) = (position, Some(position));
+                (self.reversed, self.farthest) = (position, position);
+            }
+            Some(from) => self.walk(from, position, moved_m),
+        }
+        self.turn(position, moved_m);
+    }
+
+    /// Goes straight to where it is after as many frames and one more.
+    fn go(&mut self, from: Point, to: Point, frames: u32, moved_m: f32) {
+        let step = subtract(to, from).map(|metres| metres / (frames + 1) as f32);
+        (1..=frames).for_each(|frames| self.push(along(from, step, frames as f32), moved_m));
+    }
+
+    /// Steps of at least `moved_m`, so that neither noise nor the frame rate lengthens the path.
+    fn walk(&mut self, from: Point, to: Point, moved_m: f32) {
+        let step_m = distance(from, to);
+        if step_m < moved_m {
+            return;
+        }
+        self.step = Some(to);
+        self.path_m += step_m;
+        // cos 2α = (x² - y²) / r² and sin 2α = 2 x y / r².
+        let [x, y] = [to[0] - from[0], to[1] - from[1]];
+        self.axis[0] += (x * x - y * y) / step_m;
+        self.axis[1] += 2.0 * x * y / step_m;
+    }
+
+    /// The motion has reversed at the farthest position once it has come back from there.
+    fn turn(&mut self, position: Point, moved_m: f32) {
+        let length_m = distance(self.reversed, self.farthest);
+        if distance(self.reversed, position) > length_m {
+            self.farthest = position;
+        } else if length_m > moved_m && distance(self.farthest, position) > moved_m {
+            // What comes before the first reversal is the way to the first stroke.
+            self.strokes_m += if self.reversals > 0 { length_m } else { 0.0 };
+            self.reversals = self.reversals.saturating_add(1);
+            (self.reversed, self.farthest) = (self.farthest, position);
+        }
+    }
+}
+
+/// Where a motion is after as many steps.
+fn along(from: Point, step: Point, steps: f32) -> Point {
+    from_fn(|k| from[k] + steps * step[k])
+}
+
+/// Measures an IU frame by frame, in fixed memory.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Meter {
+    frames: u32,
+    /// Frames with a position, and without one since the newest.
+    known: u32,
+    unknown: u32,
+    /// The newest position, and how far it is from the one in the frame before it, if that is known.
+    newest: Point,
+    pace: Option<Point>,
+    /// Frames without a position, weighted by what may have happened in them.
+    hidden: f32,
+    hidden_reversals: u32,
+    /// Those of them in gaps that both paths have crossed: on the second one they are reversals already.
+    crossed_reversals: u32,
+    sum: [f64; 3],
+    /// The path that went straight across each gap, and the one that went on at its pace before it came back.
+    paths: [Path; WORLDS],
     /// The drift that came with the newest position, in metres; 0 where it is not known.
     drift_m: f32,
 }
@@ -140,33 +164,47 @@ impl Meter {
             self.unknown = self.unknown.saturating_add(1);
             return;
         };
-        let missing = self.unknown;
-        let newest = self.newest.replace(position).filter(|_| missing == 0);
-        let pace_m = newest.map_or(f32::INFINITY, |newest| distance(newest, position));
-        if let Gap::Beside(beyond) = &mut self.gap {
-            beyond.behind_m.get_or_insert(pace_m);
-        }
+        self.cross_gap(Some(position));
+        self.pace = (self.known > 0 && self.unknown == 0).then(|| subtract(position, self.newest));
+        // What comes before the first position may have been the other way.
+        let hidden_at_start = u32::from(self.is_empty() && self.unknown > 0);
         self.end_gap();
+        self.hidden_reversals = self.hidden_reversals.max(hidden_at_start);
+        self.newest = position;
         self.known = self.known.saturating_add(1);
         for (sum, value) in self.sum.iter_mut().zip(position) {
             *sum += f64::from(value);
         }
-        match self.step {
-            None => {
-                (self.began, self.step) = (position, Some(position));
-                (self.reversed, self.farthest) = (position, position);
-                // What comes before it may have been the other way.
-                self.cut_reversals = (missing > 0).into();
-            }
-            Some(from) => self.walk(from, position),
-        }
-        self.turn(position, missing);
-        self.pace_m = pace_m;
+        let moved_m = self.moved_m();
+        self.paths.iter_mut().for_each(|path| path.push(position, moved_m));
     }
 
     /// Whether no position has been known so far.
     pub(super) fn is_empty(&self) -> bool {
         self.known == 0
+    }
+
+    /// What may have happened in the frames that are missing before this position, or until now.
+    fn cross_gap(&mut self, behind: Option<Point>) {
+        let (missing, moved_m) = (self.unknown, self.moved_m());
+        if self.is_empty() || !(1..=MAX_ON).contains(&missing) {
+            return;
+        }
+        self.crossed_reversals += missing / FRAMES_PER_REVERSAL;
+        let [straight, at_pace] = &mut self.paths;
+        let (newest, pace) = (self.newest, self.pace);
+        let after = |frames: u32| pace.map_or(newest, |pace| along(newest, pace, frames as f32));
+        let pace_m = pace.map_or(0.0, norm);
+        let may_come_back = |frames: u32| {
+            let left = (missing + 1 - frames) as f32;
+            behind.is_none_or(|behind| distance(after(frames), behind) <= HIDDEN_SLACK * pace_m * left)
+        };
+        let on = (1..=missing).rev().find(|frames| may_come_back(*frames)).unwrap_or(0);
+        (1..=on).for_each(|frames| at_pace.push(after(frames), moved_m));
+        if let Some(behind) = behind {
+            straight.go(newest, behind, missing, moved_m);
+            at_pace.go(after(on), behind, missing - on, moved_m);
+        }
     }
 
     fn end_gap(&mut self) {
@@ -179,81 +217,31 @@ impl Meter {
         MOVED_M.max(self.drift_m)
     }
 
-    /// Steps of at least `moved_m`, so that neither noise nor the frame rate lengthens the path.
-    fn walk(&mut self, from: Point, to: Point) {
-        let step_m = distance(from, to);
-        if step_m < self.moved_m() {
-            return;
-        }
-        self.step = Some(to);
-        self.path_m += step_m;
-        // cos 2α = (x² - y²) / r² and sin 2α = 2 x y / r².
-        let [x, y] = [to[0] - from[0], to[1] - from[1]];
-        self.axis[0] += (x * x - y * y) / step_m;
-        self.axis[1] += 2.0 * x * y / step_m;
-    }
-
-    /// The motion has reversed at the farthest position once it has come back from there. `missing` frames have no position just before this one.
-    fn turn(&mut self, position: Point, missing: u32) {
-        let beyond = Beyond { frames: missing, before_m: self.pace_m, behind_m: None };
-        if missing > 0 {
-            self.gap = match self.gap {
-                Gap::Beside(before) if self.returned_m == 0.0 => Gap::Beside(before.and(beyond)),
-                Gap::Beside(before) => Gap::Beside(before),
-                _ if self.returned_m > 0.0 => Gap::Later,
-                _ => Gap::Beside(beyond),
-            };
-        }
-        let length_m = distance(self.reversed, self.farthest);
-        if distance(self.reversed, position) > length_m {
-            // To and fro.
-            self.cut_reversals = self.cut_reversals.saturating_add(2 * u32::from(self.may_have_reversed()));
-            self.farthest = position;
-        } else if length_m > self.moved_m() && distance(self.farthest, position) > self.moved_m() {
-            // What comes before the first reversal is the way to the first stroke.
-            self.strokes_m += if self.reversals > 0 { length_m } else { 0.0 };
-            self.reversals = self.reversals.saturating_add(1);
-            if let Gap::Beside(beyond) = self.gap {
-                self.cut_m += beyond.most_m().min(MOVED_M);
-            }
-            (self.reversed, self.farthest) = (self.farthest, position);
-        } else {
-            self.returned_m = self.returned_m.max(distance(self.farthest, position));
-            return;
-        }
-        self.returned_m = 0.0;
-        self.gap = if missing > 0 { Gap::Beside(beyond) } else { Gap::None };
-    }
-
-    /// Whether the motion may have come back too little to count only because the frame in which it was farthest is missing.
-    fn may_have_reversed(&self) -> bool {
-        !matches!(self.gap, Gap::None) && self.returned_m > self.moved_m() / 2.0
-    }
-
-    /// The measures so far, with those of the way of which the IU is the newest part.
-    pub(super) fn measures(&self, way: &Way) -> Measures {
+    /// The measures so far in each world, with those of the way of which the IU is the newest part.
+    pub(super) fn measures(&self, way: &Way) -> [Measures; WORLDS] {
         let mut ended = *self;
-        if self.unknown > 0 {
-            ended.gap = Gap::Later;
-        }
+        ended.cross_gap(None);
         ended.end_gap();
-        let per_path = |sum: f32| if self.path_m > 0.0 { sum / self.path_m } else { 0.0 };
         let (frames, known) = (self.frames.max(1) as f32, f64::from(self.known.max(1)));
-        Measures {
-            reversals: self.reversals,
-            stroke_m: (self.reversals > 1).then(|| self.strokes_m / (self.reversals - 1) as f32),
-            path_m: self.path_m,
-            detour_m: self.path_m - self.step.map_or(0.0, |step| distance(self.began, step)),
-            lateral_m: way.lateral_m,
-            unseen_before_way: way.unseen_before,
-            axis: self.axis.map(per_path),
-            place_m: self.sum.map(|sum| (sum / known) as f32),
-            hidden_reversals: ended.hidden_reversals,
-            cut_reversals: ended.cut_reversals.saturating_add(ended.may_have_reversed().into()),
-            cut_m: self.cut_m,
-            hidden: (ended.hidden / frames).min(1.0),
-            drift_m: self.drift_m,
-        }
+        let hidden_reversals =
+            [ended.hidden_reversals, ended.hidden_reversals.saturating_sub(ended.crossed_reversals)];
+        from_fn(|world| {
+            let Path { began, step, path_m, axis, reversals, strokes_m, .. } = ended.paths[world];
+            let per_path = |sum: f32| if path_m > 0.0 { sum / path_m } else { 0.0 };
+            Measures {
+                reversals,
+                stroke_m: (reversals > 1).then(|| strokes_m / (reversals - 1) as f32),
+                path_m,
+                detour_m: path_m - step.map_or(0.0, |step| distance(began, step)),
+                lateral_m: way.lateral_m,
+                unseen_before_way: way.unseen_before,
+                axis: axis.map(per_path),
+                place_m: self.sum.map(|sum| (sum / known) as f32),
+                hidden_reversals: hidden_reversals[world],
+                hidden: (ended.hidden / frames).min(1.0),
+                drift_m: self.drift_m,
+            }
+        })
     }
 }
 
@@ -263,8 +251,12 @@ mod tests {
     use core::f32::consts::TAU;
     use std::vec::Vec;
 
-    /// The measures of these positions, of which some frames are missing.
+    /// The measures of these positions as they were seen, where some frames are missing.
     fn measure(positions: &[Point], is_missing: impl Fn(usize) -> bool) -> Measures {
+        worlds(positions, is_missing)[0]
+    }
+
+    fn worlds(positions: &[Point], is_missing: impl Fn(usize) -> bool) -> [Measures; WORLDS] {
         let mut meter = Meter::default();
         let seen = positions.iter().enumerate().map(|(frame, at)| (!is_missing(frame)).then_some(*at));
         seen.for_each(|position| meter.push(position, 0.0));
@@ -323,31 +315,28 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_that_is_missing_may_have_shown_a_reversal() {
-        // To and fro by 17 mm, of which the last 3 mm are in frame 5.
+    fn what_all_frames_measure_lies_between_the_worlds_whichever_frame_is_missing() {
+        // To and fro by 17 mm in the middle of a way, strokes that end late, and strokes of 6 cm.
         let small = [0.0, 0.02, 0.04, 0.06, 0.046, 0.043, 0.046, 0.06, 0.08];
         let last = [0.0, 0.02, 0.04, 0.036, 0.032, 0.028, 0.024];
         let first = [0.0165, 0.009, 0.0, -0.01, -0.02];
-        // What is right only with those that were cut is not right.
-        for (way, missing, reversals, cut_reversals) in [
-            (&small[..], usize::MAX, 2, 0),
-            (&small[..], 5, 0, 2),
-            (&small[..], 1, 2, 0),
-            (&last[..], 6, 0, 1),
-            (&first[..], 0, 0, 1),
-        ] {
-            let cut = measure(&along_x(way), |frame| frame == missing);
-            let counted = (cut.reversals, cut.cut_reversals, cut.hidden_reversals);
-            assert_eq!(counted, (reversals, cut_reversals, 0), "{way:?} without {missing}");
+        let long: Vec<f32> = (0..16i32).map(|frame| 0.01 * (6 - (frame % 12 - 6).abs()) as f32).collect();
+        for way in [&small[..], &last, &first, &long] {
+            let whole = measure(&along_x(way), |_| false);
+            for missing in 0..way.len() {
+                let [seen, at_pace] = worlds(&along_x(way), |frame| frame == missing);
+                let fewest = seen.reversals.min(at_pace.reversals);
+                let most = seen.reversals.max(at_pace.reversals) + seen.hidden_reversals;
+                assert!(
+                    (fewest..=most).contains(&whole.reversals),
+                    "{way:?} without {missing}: {fewest} to {most}"
+                );
+                let metres = [seen, whole, at_pace].map(|measures| measures.stroke_m.unwrap_or_default());
+                assert!(
+                    metres[1] <= metres[0].max(metres[2]) + 0.001,
+                    "{way:?} without {missing}: {metres:?}"
+                );
+            }
         }
-    }
-
-    #[test]
-    fn strokes_may_be_longer_where_the_farthest_frame_is_missing_and_nowhere_else() {
-        // To and fro by 6 cm, farthest in the frames 6 and 12.
-        let far: Vec<f32> = (0..16i32).map(|frame| 0.01 * (6 - (frame % 12 - 6).abs()) as f32).collect();
-        let is_longer = |missing: &usize| measure(&along_x(&far), |frame| frame == *missing).cut_m > 0.0;
-        let all: Vec<usize> = (0..far.len()).filter(is_longer).collect();
-        assert_eq!(all, [5, 6, 7, 11, 12, 13]);
     }
 }

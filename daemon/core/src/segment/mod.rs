@@ -8,7 +8,7 @@ mod way;
 
 pub use hand::Segmenter;
 pub use job::JobSegmenter;
-pub(crate) use measures::{FRAMES_PER_REVERSAL, HIDDEN_SLACK};
+pub(crate) use measures::{FRAMES_PER_REVERSAL, HIDDEN_SLACK, WORLDS};
 pub use measures::{MOVED_M, Measures};
 
 use crate::couple::{Context, Motion};
@@ -33,6 +33,8 @@ pub struct Iu {
     pub seen: u32,
     /// What was measured of it in metres.
     pub measures: Measures,
+    /// The same if in each gap its motion went on at its pace before it came back.
+    pub measures_at_pace: Measures,
     /// Whether all its couples were in sight ([`Couple::is_in_sight`](crate::couple::Couple::is_in_sight)).
     pub is_in_sight: bool,
 }

@@ -178,7 +178,7 @@ fn lateral_away_m(is_known_to_touch: bool) -> f32 {
         couple.position = couple.position.filter(|_| is_known_to_touch || frame >= 40);
         segmenter.step(&couple, &mut |_| {});
     }
-    segmenter.measures().lateral_m
+    segmenter.measures()[0].lateral_m
 }
 
 #[test]
