@@ -148,11 +148,11 @@ fn possible_stroke_m(measures: &Measures, possible: Possible) -> [f32; 2] {
     let Some(stroke_m) = stroke_m else { return [0.0, f32::INFINITY] };
     let strokes = (reversals - 1) as f32;
     let sum_m = stroke_m * strokes;
-    let cut_m = ENDS as f32 * possible.cut_m;
-    // Unseen motion may have been a part of the one more.
-    let with_one_more_m = path_m.max(sum_m) * (1.0 + possible.share) + cut_m;
-    let most_m = if possible.reversals > 0 { with_one_more_m / (strokes + 1.0) } else { 0.0 };
-    [sum_m / (strokes + possible.reversals as f32), most_m.max((sum_m + cut_m) / strokes)]
+    // Unseen motion may have been a part of any stroke, or of the one more.
+    let unseen_m = possible.share * path_m + ENDS as f32 * possible.cut_m;
+    let with_one_more_m = (path_m.max(sum_m) + unseen_m) / (strokes + 1.0);
+    let most_m = if possible.reversals > 0 { with_one_more_m } else { 0.0 };
+    [sum_m / (strokes + possible.reversals as f32), most_m.max((sum_m + unseen_m) / strokes)]
 }
 
 /// The first measure that is broken.
