@@ -11,8 +11,8 @@ use andon_core::verdict::{Level, Outcome, Verdict};
 const FRACTIONS: [[u32; 2]; 3] = [[5, 6], [3, 4], [2, 3]];
 
 /// Thins the runs to fewer and fewer frames, beginning with each possible frame. It ends when one of them is segmented in another way or accused, or
-/// most are not judged: where fewer are not, a job that asks for more frames would judge none of them. The last rate before that is what the job needs. Runs that are not right with all their frames say nothing; where none is
-/// right, the job needs all frames.
+/// most are not judged. The last rate before that is what the job needs. A job that asked for more, because a few are not judged, would judge none of
+/// them. Runs that are not right with all their frames say nothing; where none is right, the job needs all frames.
 pub(super) fn needed_rate_hz(runs: &[&Run], job: &JobFile) -> f32 {
     let rate_hz = job.method.rate_hz;
     // Nothing is asked of the rate while it is measured.
