@@ -2,8 +2,9 @@
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use andon_core::couple::Motion;
-use andon_core::dtw::{LocalCosts, OnlineDtw, Scratch, distance};
+use andon_core::dtw::{LocalCosts, OnlineDtw};
 use andon_core::job::LocalCost;
+use andon_learn::warp::Warp;
 use criterion::{Criterion, criterion_group, criterion_main};
 use dtw_rs::{Solution, dtw_with_distance};
 use std::hint::black_box;
@@ -40,19 +41,16 @@ fn dtw_rs_sum<const D: usize>(a: &[[f64; D]], b: &[[f64; D]]) -> f64 {
 }
 
 fn batch(c: &mut Criterion) {
-    let mut scratch = Box::<Scratch>::default();
     for (dimensions, elevated) in [(5, false), (7, true)] {
         let [a, b] = golden_pair(elevated);
         for (name, local) in [("ordinal", LocalCost::Ordinal), ("circular", LocalCost::Circular { bins: 8 })]
         {
-            for (way, costs) in [("", LocalCosts::new(local)), ("_portable", LocalCosts::portable(local))] {
-                c.bench_function(&format!("batch_{name}{way}_{dimensions}"), |bench| {
-                    bench.iter(|| distance(&costs, black_box(&a), black_box(&b), &mut scratch));
-                });
-            }
+            let mut warp = Warp::new(local);
+            c.bench_function(&format!("batch_{name}_{dimensions}"), |bench| {
+                bench.iter(|| warp.distance(black_box(&a), black_box(&b)));
+            });
         }
-        let costs = LocalCosts::new(LocalCost::Ordinal);
-        let own = distance(&costs, &a, &b, &mut scratch).unwrap();
+        let own = Warp::new(LocalCost::Ordinal).distance(&a, &b).unwrap();
         let peer = if elevated {
             dtw_rs_sum(&vectors::<7>(&a), &vectors::<7>(&b))
         } else {
@@ -85,12 +83,11 @@ fn online(c: &mut Criterion) {
 fn matrix(c: &mut Criterion) {
     let mut random = oorandom::Rand32::new(240);
     let ius: Vec<Vec<Motion>> = (0..240).map(|_| iu(&mut random)).collect();
-    let costs = LocalCosts::new(LocalCost::Ordinal);
-    let mut scratch = Box::<Scratch>::default();
+    let mut warp = Warp::new(LocalCost::Ordinal);
     let mut sum = || -> f64 {
         let pairs =
             ius.iter().enumerate().flat_map(|(index, a)| ius[index + 1..].iter().map(move |b| (a, b)));
-        pairs.map(|(a, b)| distance(&costs, a, b, &mut scratch).unwrap()).sum()
+        pairs.map(|(a, b)| warp.distance(a, b).unwrap()).sum()
     };
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../target/bench");
     std::fs::create_dir_all(folder).unwrap();

@@ -35,6 +35,6 @@ pub const PERSIST_FRAMES: usize = 15;
 pub const FILTER_FRAMES: usize = 31;
 
 /// Nominal IUs with which an IU of one hand is compared at once, where the memory for the comparisons lies inside the judge. They are variants of one
-/// activity, and activities that begin with the same object. For both hands together this takes 170 kB, which fits the stack of any thread, copies
+/// activity, and activities that begin with the same object. For both hands together this takes 140 kB, which fits the stack of any thread, copies
 /// included.
 pub const COMPARISONS: usize = 4;

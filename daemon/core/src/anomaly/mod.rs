@@ -186,7 +186,7 @@ struct Bench<'a, M> {
 }
 
 impl<'a> Judge<'a> {
-    /// Starts before the first touch, with all memory inside: about 20 kB for each of [`COMPARISONS`] comparisons per hand.
+    /// Starts before the first touch, with all memory inside: about 18 kB for each of [`COMPARISONS`] comparisons per hand.
     ///
     /// # Errors
     /// If a constant or a part of the job cannot be used, or the job needs more comparisons.
