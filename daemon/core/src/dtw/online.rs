@@ -65,12 +65,13 @@ impl<'a> OnlineDtw<'a> {
         let length = self.reference.len();
         if self.newest != Some(*frame) {
             self.newest = Some(*frame);
-            let mut row = &mut self.frame_costs[..length];
             // A motion lasts for some frames, and each of them costs the same.
-            for same in self.reference.chunk_by(PartialEq::eq) {
-                let (costs, rest) = row.split_at_mut(same.len());
-                costs.fill(self.costs.between(frame, &same[0]));
-                row = rest;
+            let (mut before, mut same) = (None, 0);
+            for (cost, motion) in self.frame_costs.iter_mut().zip(self.reference) {
+                if before != Some(motion) {
+                    (before, same) = (Some(motion), self.costs.between(frame, motion));
+                }
+                *cost = same;
             }
         }
         let mut diagonal = core::mem::replace(&mut self.border, UNREACHED);
