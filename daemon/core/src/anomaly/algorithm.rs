@@ -369,9 +369,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             return;
         }
         let Some(nearest) = self.comparisons.nearest(observation) else {
-            let is_certain = self.is_iu_certain();
-            let cause = if is_certain { Reason::Unknown.into() } else { self.unseen_cause(progress) };
-            self.conclude_unjudged(cause, progress);
+            self.conclude_unseen(progress);
             return;
         };
         if let Some(iu) = &mut self.iu {

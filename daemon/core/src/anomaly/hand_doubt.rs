@@ -242,11 +242,6 @@ impl HandDoubt {
         self.context.o_j() != 0 && self.is_held_doubtful
     }
 
-    /// Whether the hand may go on with what it touched before a doubt.
-    pub(super) fn may_go_on_touching(&self, context: Context) -> bool {
-        context.is_touch() && self.may_go_on(context)
-    }
-
     /// How long the hand has been hidden. It is 0 for a hand that has never been seen, because one hand may do the work alone.
     pub(super) fn hidden_frames(&self) -> u32 {
         if self.clear_frames.is_some_and(|frames| frames <= 1) { self.gap } else { 0 }

@@ -364,7 +364,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         let Self { segmenter, bench, .. } = self;
         let is_disturbed = segmenter.is_disturbed() || couples.lacks(Unseen::MOVER);
         let begins_next = couples.hands.iter().any(|couple| {
-            let may_go_on = bench.hands[couple.side.index()].doubt.may_go_on_touching(couple.context);
+            let may_go_on = bench.hands[couple.side.index()].doubt.may_go_on(couple.context);
             segmenter.begins_activity(couple)
                 && bench.progress.begins_next_job(couple, is_disturbed, may_go_on)
         });
@@ -453,8 +453,9 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
         let Self { hands, progress } = self;
         match event {
             segment::Event::JobBegan { began_ns, start, unseen_since_ns } => {
-                let mut touches = couples.iter().flat_map(|couples| &couples.hands);
-                if touches.any(|couple| hands[couple.side.index()].doubt.may_go_on_touching(couple.context)) {
+                let all = couples.iter().flat_map(|couples| &couples.hands);
+                let mut touches = all.filter(|couple| couple.context.is_touch());
+                if touches.any(|couple| hands[couple.side.index()].doubt.may_go_on(couple.context)) {
                     progress.doubt_start();
                 }
                 progress.begin(began_ns, start, unseen_since_ns);
