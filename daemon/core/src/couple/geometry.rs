@@ -100,17 +100,14 @@ impl Cloud {
     }
 
     /// The points of an object that has this pose, in the bench frame.
-    pub(super) fn at(&self, position: Point, orientation: Quaternion, planar: bool) -> Self {
+    pub(super) fn at(&self, position: Point, orientation: Quaternion) -> Self {
         let [a, b, c] = columns(orientation);
         let [x, y, z] = &self.coordinates;
-        let mut coordinates = [0, 1, 2].map(|axis| {
+        let coordinates = [0, 1, 2].map(|axis| {
             core::array::from_fn(|index| {
                 position[axis] + a[axis] * x[index] + b[axis] * y[index] + c[axis] * z[index]
             })
         });
-        if planar {
-            coordinates[2] = [0.0; INTERACTION_POINTS];
-        }
         Self { coordinates, count: self.count }
     }
 

@@ -5,9 +5,9 @@ use super::super::geometry::{Cloud, distance, subtract};
 use super::super::poses::{ObjectPose, Source};
 use super::{Node, Scene, squared_distance};
 use crate::bounds::Around;
-use crate::capacity::{CONTACT_REGIONS, OBJECTS};
+use crate::capacity::{CONTACT_REGIONS, INTERACTION_POINTS, OBJECTS};
 use crate::config::{Contact, Method};
-use crate::input::{Point, Space};
+use crate::input::Point;
 use crate::object::{ContactRegion, HAND_WIDTH_M, ObjectShape, REACH_M};
 use heapless::Vec;
 
@@ -40,14 +40,19 @@ pub(super) struct Shape {
 impl Shape {
     /// `None` where there is no interaction point.
     pub(super) fn new(shape: &ObjectShape, method: &Method) -> Option<Self> {
-        let points = Cloud::new(&shape.interaction_points)?;
+        let cloud = |points: &Vec<Point, INTERACTION_POINTS>| {
+            let flat: Vec<Point, INTERACTION_POINTS> =
+                points.iter().map(|point| method.space.flat(*point)).collect();
+            Cloud::new(&flat)
+        };
+        let points = cloud(&shape.interaction_points)?;
         let places = shape
             .contact_regions
             .iter()
-            .map(|met| (met.with, Place { points: Cloud::new(&met.points), contact: met.contact }));
+            .map(|met| (met.with, Place { points: cloud(&met.points), contact: met.contact }));
         let of_hand = places.clone().find(|(with, _)| *with == ContactRegion::HAND).map(|(_, place)| place);
         let is_met_within = |met: &ContactRegion| {
-            let radius_m = Cloud::new(&met.points).map_or(points.radius(), |learnt| learnt.radius());
+            let radius_m = cloud(&met.points).map_or(points.radius(), |learnt| learnt.radius());
             radius_m + f32::max(met.contact.off_m - method.object_contact.off_m, 0.0)
         };
         Some(Self {
@@ -78,8 +83,7 @@ type Posed<'a> = (&'a Shape, &'a ObjectPose, Cloud);
 
 impl Scene {
     pub(super) fn push_edges(&mut self) {
-        let planar = self.is_planar();
-        let posed: Vec<Posed<'_>, OBJECTS> = self.objects.iter().map(|node| posed(node, 0, planar)).collect();
+        let posed: Vec<Posed<'_>, OBJECTS> = self.objects.iter().map(|node| posed(node, 0)).collect();
         let persist = self.method.persist_frames;
         let is_known = |pose: &ObjectPose| pose.source.is_known() && pose.unseen <= self.blind_frames;
         for (hand, edges) in self.hands.iter().zip(&mut self.touches) {
@@ -90,7 +94,7 @@ impl Scene {
                     Some(tips) if is_known(posed.1) => {
                         let (shape, contact) = (posed.0, &posed.0.hand.contact);
                         let is_in_reach = tips.comes_within(shape.radius_m + contact.off_m, posed.1.position);
-                        let distance = is_in_reach.then(|| tips.distance(&met_by_hand(posed, planar)));
+                        let distance = is_in_reach.then(|| tips.distance(&met_by_hand(posed)));
                         edge.push(distance.unwrap_or(f32::INFINITY), contact, persist);
                     }
                     _ => edge.push_unknown(),
@@ -111,7 +115,7 @@ impl Scene {
                 } else if !(known[i] && known[j]) {
                     edge.push_unknown();
                 } else if are_in_reach(extents[i], extents[j], usual) {
-                    let (apart_m, contact) = (apart(one, other, planar), contact_of(one.0, other.0, usual));
+                    let (apart_m, contact) = (apart(one, other), contact_of(one.0, other.0, usual));
                     edge.push(apart_m, &contact, persist);
                     let rest = || rest_together([i, j].map(|object| &self.objects[object]), persist, rest_m);
                     let middle_m = f32::midpoint(contact.on_m, contact.off_m);
@@ -126,15 +130,13 @@ impl Scene {
     }
 
     pub(super) fn distance_from_hand(&self, hand: usize, j: usize, age: usize) -> f32 {
-        let planar = self.is_planar();
-        let met = || met_by_hand(&posed(&self.objects[j], age, planar), planar);
+        let met = || met_by_hand(&posed(&self.objects[j], age));
         self.hands[hand].ago(age).cloud().map_or(f32::INFINITY, |tips| tips.distance(&met()))
     }
 
     pub(super) fn distance_of_objects(&self, i: usize, j: usize, age: usize) -> f32 {
-        let planar = self.is_planar();
-        let [one, other] = [i, j].map(|object| posed(&self.objects[object], age, planar));
-        apart(&one, &other, planar)
+        let [one, other] = [i, j].map(|object| posed(&self.objects[object], age));
+        apart(&one, &other)
     }
 
     pub(super) fn are_in_reach(&self, i: usize, j: usize, age: usize) -> bool {
@@ -152,21 +154,17 @@ impl Scene {
     pub(super) fn object_contact(&self, i: usize, j: usize) -> Contact {
         contact_of(&self.objects[i].shape, &self.objects[j].shape, &self.method.object_contact)
     }
-
-    fn is_planar(&self) -> bool {
-        self.method.space == Space::Plane
-    }
 }
 
 /// An object as it was `age` frames before the newest.
-fn posed(node: &Node, age: usize, planar: bool) -> Posed<'_> {
+fn posed(node: &Node, age: usize) -> Posed<'_> {
     let pose = node.poses.ago(age);
-    (&node.shape, pose, node.shape.points.at(pose.position, pose.orientation, planar))
+    (&node.shape, pose, node.shape.points.at(pose.position, pose.orientation))
 }
 
 /// Where a hand meets an object.
-fn met_by_hand((shape, pose, points): &Posed<'_>, planar: bool) -> Cloud {
-    shape.hand.points.map_or(*points, |learnt| learnt.at(pose.position, pose.orientation, planar))
+fn met_by_hand((shape, pose, points): &Posed<'_>) -> Cloud {
+    shape.hand.points.map_or(*points, |learnt| learnt.at(pose.position, pose.orientation))
 }
 
 /// Whether two objects have been seen to rest relative to each other in the newest `persist` frames.
@@ -198,10 +196,10 @@ fn are_in_reach(one: (Point, f32), other: (Point, f32), usual: &Contact) -> bool
 }
 
 /// How far two objects are from meeting each other, in metres.
-fn apart(one: &Posed<'_>, other: &Posed<'_>, planar: bool) -> f32 {
+fn apart(one: &Posed<'_>, other: &Posed<'_>) -> f32 {
     let learnt = place_of(one.0, other.0).and_then(|(place, is_of_one)| Some((place.points?, is_of_one)));
     let Some((points, is_of_one)) = learnt else { return one.2.distance(&other.2) };
     let [at, with] = if is_of_one { [one.1, other.1] } else { [other.1, one.1] };
-    let place = points.at(at.position, at.orientation, planar);
+    let place = points.at(at.position, at.orientation);
     Cloud::new(&[with.position]).map_or(f32::INFINITY, |with| with.distance(&place))
 }
