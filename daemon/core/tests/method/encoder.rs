@@ -1,6 +1,6 @@
 //! The encoder, from frames of a scripted worker.
 
-use crate::common::bench::{Bench, contexts, encode, encode_shapes, shapes};
+use crate::common::bench::{Bench, contexts, encode, encode_shapes, gripped_shapes, shapes};
 use andon_core::bounds::Around;
 use andon_core::config::{Contact, Method};
 use andon_core::couple::{Context, Couples, Encoder, Refused, Unseen, Unusable, Waiting};
@@ -532,6 +532,15 @@ fn what_moves_with_a_hand_is_in_it_within_reach_or_within_a_hands_width_of_how_i
     let held = |metres: f32| just_contexts(&encode_shapes(&shown, &held_at(metres, &[]).frames), Side::Right);
     assert_eq!(held(0.08), [[1, TOOL, 0, 0]]);
     assert_eq!(held(0.12), [[0; 4]; 0], "nobody holds it so far from where the runs have shown");
+}
+
+#[test]
+fn in_the_plane_of_the_bench_it_makes_no_difference_how_high_a_part_is_touched() {
+    let bench = fill_the_box();
+    let flat = gripped_shapes(&bench.ids());
+    let mut high = flat.clone();
+    high.iter_mut().flat_map(|shape| &mut shape.interaction_points).for_each(|point| point[2] = 0.2);
+    assert_eq!(encode_shapes(&high, &bench.frames), encode_shapes(&flat, &bench.frames));
 }
 
 #[test]
