@@ -210,6 +210,25 @@ fn a_job_is_taught_named_loaded_taught_again_and_rolled_back_by_orders_and_the_j
 }
 
 #[test]
+fn a_station_whose_file_names_no_job_begins_with_the_one_that_an_engineer_loaded_last() {
+    let (mut line, watcher, mut board) = at_work();
+    let path = line.path("jobs/polish.toml");
+    fs::copy(line.path("job.toml"), &path).unwrap();
+    let load = board.order(TaskKind::Load, "polish", "");
+    let (state, said) = board.ends(load);
+    assert!(state == PrintedState::Done && said.contains("begins with it when it starts again"), "{said}");
+    // The whole station ends, as when its machine is switched off for the night.
+    drop((board, watcher));
+    let executor = line.role("executor");
+    executor.signal(Signal::TERM);
+    assert!(executor.wait().success());
+    assert_eq!(line.stop(), [""; 0]);
+    let (mut watcher, hash) = (line.launch(), job(&path).model_hash());
+    watcher.until("the job", |watcher| watcher.judging.is_some_and(|judging| judging.model_hash == hash));
+    assert!(audit(&line, "last order of an engineer").contains("loaded"));
+}
+
+#[test]
 fn one_task_runs_at_a_time_is_answered_and_stopped_with_all_that_it_has_started() {
     let (line, _watcher, mut board) = at_work();
     let teach = board.order_with(TaskKind::TeachLive, "shown", "3", task_flag::FORCE, 0);

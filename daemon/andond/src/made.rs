@@ -43,9 +43,9 @@ impl Made {
     pub(crate) fn kept(&self) -> Vec<PathBuf> {
         // Others may have files in the folder itself.
         let [_folder, folders @ .., _jobs] = self.folders();
-        let calibration = Some(self.calibration()).filter(|path| path.is_file());
+        let own = [self.calibration(), self.loaded()].into_iter().filter(|path| path.is_file());
         let kept = folders.iter().flat_map(|folder| files(folder)).filter(|path| atomic::is_named(path));
-        kept.chain(calibration).collect()
+        kept.chain(own).collect()
     }
 
     /// The pictures of the bench that were taken when somebody looked or calibrated.
@@ -63,6 +63,11 @@ impl Made {
     /// What the running task has changed, for the next start of the role.
     pub(crate) fn unfinished(&self) -> PathBuf {
         self.folder.join("unfinished.json")
+    }
+
+    /// Which job and version an engineer has loaded last: its number and its hash.
+    pub(crate) fn loaded(&self) -> PathBuf {
+        self.folder.join("loaded")
     }
 
     /// The folder of the jobs.

@@ -13,6 +13,7 @@ use shm_schemas::{Judging, Refusal};
 
 use super::RoleError;
 use crate::compatibility;
+use crate::made::Made;
 
 /// The job that a command names.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +24,7 @@ pub(super) struct Wanted {
 }
 
 /// The file in the station's directory that names the job that a command has loaded: a judge that starts again goes on with it. The next line
-/// begins with what its configuration says.
+/// begins with what its configuration says, or else with what an engineer loaded last.
 const CHOICE: &str = "job";
 
 /// Keeps the job that a command has loaded.
@@ -47,6 +48,14 @@ pub(super) fn chosen(config: &Config) -> Option<PathBuf> {
 pub(super) fn forget_choice(config: &Config) {
     // It is not there where no command has loaded a job. What cannot be removed now is swept away by the next steward that is alone.
     let _ = std::fs::remove_file(config.root().join(CHOICE));
+}
+
+/// The job that an engineer has loaded last on the board, if its file still has that version.
+pub(super) fn ordered(config: &Config) -> Option<PathBuf> {
+    let text = std::fs::read_to_string(Made::new(config).loaded()).ok().filter(|_| config.executor.enable)?;
+    let (id, hash) = text.split_once(' ')?;
+    let wanted = Wanted { job_id: id.parse().ok()?, model_hash: u64::from_str_radix(hash, 16).ok()? };
+    Search::new(config, wanted).found.pop().map(|found| found.path)
 }
 
 /// Reads a job file that this station can judge by.
@@ -225,6 +234,25 @@ mod tests {
         let search = search(&[("b.toml", &job().to_toml()), ("a.toml", &job().to_toml())], wanted);
         let names: Vec<_> = search.found.iter().filter_map(|found| found.path.file_name()).collect();
         assert_eq!(names, ["a.toml", "b.toml"]);
+    }
+
+    #[test]
+    fn what_an_engineer_loaded_last_is_begun_with_while_its_file_has_that_version_and_orders_are_taken() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut config = station(folder.path());
+        config.executor.path = Some(folder.path().into());
+        let file = folder.path().join("one.toml");
+        std::fs::write(&file, job().to_toml()).unwrap();
+        let loaded = Made::new(&config).loaded();
+        std::fs::write(&loaded, format!("{} {:016x}", job().id, job().model_hash())).unwrap();
+        assert_eq!(ordered(&config), None, "nothing is ordered at this station");
+        config.executor.enable = true;
+        assert_eq!(ordered(&config), Some(file));
+        // Taught again and not loaded since: nobody has decided that it is to judge.
+        for other in [format!("{} 1", job().id), format!("77 {:016x}", job().model_hash()), "x".into()] {
+            std::fs::write(&loaded, &other).unwrap();
+            assert_eq!(ordered(&config), None, "{other}");
+        }
     }
 
     #[test]

@@ -238,6 +238,10 @@ impl Executor<'_> {
         if state == PrintedState::Done && teaches(&running.task) {
             keep_report(&Made::new(self.config), running.task.name());
         }
+        if state == PrintedState::Done && loads(&running.task) && self.config.station.job.is_none() {
+            let said = keep_loaded(&Made::new(self.config), running.task.name());
+            self.print(cycle, &running.task, PrintedState::Line, None, &said)?;
+        }
         match state {
             PrintedState::Done => running.before.keep(),
             _ => running.before.put_back(is_done),
@@ -329,6 +333,22 @@ impl Executor<'_> {
 fn teaches(task: &Task) -> bool {
     use TaskKind::{TeachAgain, TeachFilms, TeachLive, Without};
     matches!(TaskKind::try_from(task.kind), Ok(TeachLive | TeachFilms | TeachAgain | Without))
+}
+
+fn loads(task: &Task) -> bool {
+    matches!(TaskKind::try_from(task.kind), Ok(TaskKind::Load | TaskKind::RollBack))
+}
+
+/// Keeps which job was loaded, for a station whose file names none, and says so.
+fn keep_loaded(made: &Made, job: &str) -> String {
+    let kept = jobs::read(&made.job(job)).map_err(|error| error.to_string()).and_then(|file| {
+        let text = format!("{} {}", file.id, hash_of(&file));
+        atomic::write(&made.loaded(), text.as_bytes()).map_err(|error| error.to_string())
+    });
+    match kept {
+        Ok(()) => "the station begins with it when it starts again".to_owned(),
+        Err(why) => format!("it must be loaded again when the station has started again: {why}"),
+    }
 }
 
 /// Keeps the report of a teaching with the version of the job that it has made: the next teaching writes another one.

@@ -36,6 +36,10 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
     };
     let mut cycle = Cycle::new(node)?;
     let mut job = jobs::chosen(config).or_else(|| config.station.job.clone());
+    if job.is_none() {
+        job = jobs::ordered(config);
+        ports.asked_by = "last order of an engineer";
+    }
     loop {
         let next = match &job {
             Some(path) => watch(path, config, &mut ports, &mut cycle)?,

@@ -44,7 +44,8 @@ impl Station {
             &mut self.job,
             (),
             r#""../jobs/polish-and-measure.toml""#,
-            "The learned job that is judged, as `andond teach` wrote it.",
+            "The learned job that is judged, as `andond teach` wrote it. Without this key a station with a board begins with the job that an \
+             engineer loaded last.",
         );
         k.key("jobs", &mut self.jobs, (), "Directory of the learned jobs that a PLC can select.");
     }
