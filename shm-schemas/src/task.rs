@@ -56,7 +56,8 @@ codes! {
         Look = 12 as "look",
         /// Find the bench: the lines of `text` are the side of the markers and four of them with their places.
         Calibrate = 13 as "calibrate",
-        /// Write the file of a new station, which `name` names. The lines of `text` are its camera, which may be empty, and its parts.
+        /// Write the file of a new station, which `name` names. The lines of `text` are its camera, which may be empty, the language of its
+        /// board, and its parts.
         New = 14 as "new",
         /// Keep a piece of a recording: it comes over the channel `film`, and this is what is printed of it.
         Film = 15 as "film",

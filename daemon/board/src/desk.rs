@@ -225,8 +225,11 @@ impl Desk {
         }
         let Some(shown) = &mut self.shown else { return };
         shown.state = state;
+        let before = shown.showing;
         shown.showing = Showing::try_from(printed.showing).ok();
-        if state == PrintedState::Line || !printed.text().is_empty() {
+        // The line that asks it names keys of a shell. The page asks by its buttons.
+        let asks = shown.showing == Some(Showing::Keep) && before != shown.showing;
+        if !asks && (state == PrintedState::Line || !printed.text().is_empty()) {
             if shown.lines.len() == LINES {
                 shown.lines.pop_front();
             }
@@ -297,6 +300,9 @@ mod tests {
         desk.take(&printed(3, TaskKind::Load, PrintedState::Refused, "another one runs"));
         let shown = desk.shown.clone().unwrap();
         assert!(shown.is_running() && shown.who == "maria" && shown.lines == ["run 1"]);
+        let question = printed(1, TaskKind::TeachLive, PrintedState::Line, "Enter keeps it; d drops it");
+        desk.take(&Printed { showing: Showing::Keep.code(), ..question });
+        assert_eq!(desk.shown.clone().unwrap().lines, ["run 1"], "buttons ask it");
         desk.take(&printed(1, TaskKind::TeachLive, PrintedState::Failed, "why"));
         assert!(!desk.shown.clone().unwrap().is_running());
         assert_eq!(desk.shown.clone().unwrap().lines, ["run 1", "why"]);

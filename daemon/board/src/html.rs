@@ -33,6 +33,31 @@ impl Html {
         self.raw(open).text(text).raw(close)
     }
 
+    /// A link around a text.
+    pub(crate) fn link(&mut self, to: &str, text: &str) -> &mut Self {
+        self.raw("<a href=\"").text(to).element("\">", text, "</a>")
+    }
+
+    /// What can be chosen, with its label: each has a value, a text, and its language where that is another one.
+    pub(crate) fn select<'o>(
+        &mut self,
+        name: &'static str,
+        label: &str,
+        chosen: &str,
+        options: impl IntoIterator<Item = (&'o str, &'o str, &'o str)>,
+    ) {
+        self.element("<label class=\"pick\">", label, " <select id=\"");
+        self.raw(name).raw("\" name=\"").raw(name).raw("\">");
+        for (value, text, lang) in options {
+            self.raw("<option value=\"").text(value);
+            if !lang.is_empty() {
+                self.raw("\" lang=\"").text(lang);
+            }
+            self.raw(if value == chosen { "\" selected>" } else { "\">" }).element("", text, "</option>");
+        }
+        self.raw("</select></label>");
+    }
+
     /// What was written so far, on one line.
     pub(crate) fn finish(self) -> String {
         self.0

@@ -111,7 +111,7 @@ impl Asked {
                 Self::of(TaskKind::Calibrate, String::new(), text)
             }
             "new" => {
-                let text = format!("{}\n{}", form.get("camera"), lines("part"));
+                let text = format!("{}\n{}\n{}", form.get("camera"), form.get("language"), lines("part"));
                 Self::of(TaskKind::New, form.get("station").to_owned(), text)
             }
             "film" => {

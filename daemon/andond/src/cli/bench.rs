@@ -29,6 +29,9 @@ pub struct New {
     /// Give it a board on this port of the machine, on which an engineer teaches jobs; a station beside it needs another port
     #[arg(long, value_name = "PORT", num_args = 0..=1, require_equals = true, default_missing_value = "9465", value_parser = clap::value_parser!(u16).range(1..))]
     pub board: Option<u16>,
+    /// The language of that board
+    #[arg(long, value_name = "CODE", requires = "board", default_value = "en", value_parser = ["de", "en", "es", "fr", "zh"])]
+    pub language: String,
     /// The station file to write [default: NAME.toml]
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,

@@ -11,7 +11,7 @@ use crate::address::{Address, Page};
 use crate::board::Board;
 use crate::desk::{KnownJob, Shown};
 use crate::html::Html;
-use crate::words::Table;
+use crate::words::{Table, Tables};
 
 /// Where the markers for the calibration are printed, as `andond markers` does without an option, in metres.
 const CORNERS: [&str; 4] = ["-0.25,-0.15", "0.25,-0.15", "0.25,0.15", "-0.25,0.15"];
@@ -53,7 +53,7 @@ pub(super) fn draw_whole(
     upload(html, board, words, address, visitor);
     html.element("<h2>", words.say("engineer.bench"), "</h2><div class=\"beside\"><div>");
     bench(html, words, address, visitor);
-    station(html, words, address, visitor);
+    station(html, board.words(address), address, visitor);
     files(html, board, words);
     html.raw("</div>");
     if board.settings.picture {
@@ -133,6 +133,9 @@ fn told(html: &mut Html, shown: &Shown, words: &Table) {
         html.text(line).raw("<br>");
     }
     html.raw("</pre>");
+    if shown.lines.iter().any(|line| line.contains('`')) {
+        html.element("<small>", words.say("engineer.commands"), "</small>");
+    }
 }
 
 /// What can be answered, and how it is called.
@@ -163,7 +166,7 @@ fn jobs(html: &mut Html, board: &Board, words: &Table, address: &Address) {
 
 fn job(html: &mut Html, board: &Board, words: &Table, address: &Address, job: &KnownJob) {
     let own = Address { at: job.name.clone(), ..address.on(Page::Job) };
-    html.raw("<tr><th scope=\"row\"><a href=\"").text(&own.link()).element("\">", &job.name, "</a>");
+    html.raw("<tr><th scope=\"row\">").link(&own.link(), &job.name);
     if job.title != job.name && job.fault.is_empty() {
         html.element(" <small>", &job.title, "</small>");
     }
@@ -298,7 +301,8 @@ fn bench(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor) {
 }
 
 /// The file of a new station.
-fn station(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor) {
+fn station(html: &mut Html, words: (&str, &Table), address: &Address, visitor: &Visitor) {
+    let (own, words) = words;
     html.raw("<details><summary>").text(words.say("engineer.new")).raw("</summary>");
     form(html, "class=\"order\"", address, visitor);
     html.element("<p>", words.say("engineer.new_help"), "</p>");
@@ -306,6 +310,9 @@ fn station(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor)
     html.raw("<input id=\"station\" name=\"station\" required maxlength=\"16\" pattern=\"[a-z0-9\\-]+\" autocapitalize=\"none\">");
     html.element("<label for=\"camera\">", words.say("engineer.camera"), "</label>");
     html.raw("<input id=\"camera\" name=\"camera\" value=\"/dev/video0\" maxlength=\"24\">");
+    let tables = Tables::shipped();
+    let languages = tables.languages().map(|(code, name)| (code, name, code));
+    html.select("language", words.say("engineer.language"), own, languages);
     for number in 1..=PARTS {
         numbered(html, words, ("p", "engineer.part", number), "name=\"part\" maxlength=\"40\"", "");
     }

@@ -259,6 +259,7 @@ impl Desk<'_> {
         if !(camera.is_empty() || camera == "realsense" || is_device) {
             return Err("a camera is /dev/video0, or another number, or realsense".into());
         }
+        let language = lines.next().unwrap_or_default();
         let parts: Vec<&str> = lines.filter(|part| !part.is_empty()).collect();
         if parts.is_empty() {
             return Err("a station has a part".into());
@@ -269,7 +270,7 @@ impl Desk<'_> {
         let port = usize::from(self.config.board.port) + 1 + others;
         let mut arguments: Vec<OsString> =
             vec!["new".into(), "--force".into(), format!("--board={port}").into()];
-        arguments.extend(["--out".into(), file.into()]);
+        arguments.extend([format!("--language={language}").into(), "--out".into(), file.into()]);
         arguments.extend(parts.iter().map(|part| format!("--part={part}").into()));
         if !camera.is_empty() {
             arguments.push(format!("--camera={camera}").into());
@@ -428,11 +429,11 @@ mod tests {
         );
         assert_eq!(plan(TaskKind::Load, "polish", "", 0), [format!("use {station} --when-idle=300 {job}")]);
         // A name is none of its options.
-        assert!(plan(TaskKind::New, "-h", "\nbrick=0.033", 0)[0].ends_with(" -- -h"));
+        assert!(plan(TaskKind::New, "-h", "\nde\nbrick=0.033", 0)[0].ends_with(" -- -h"));
         assert_eq!(
-            plan(TaskKind::New, "bench2", "/dev/video1\nbrick=0.033\n\nsaw blade", 0),
+            plan(TaskKind::New, "bench2", "/dev/video1\nzh\nbrick=0.033\n\nsaw blade", 0),
             [format!(
-                "new --force --board=9466 --out {} --part=brick=0.033 --part=saw blade --camera=/dev/video1 -- bench2",
+                "new --force --board=9466 --language=zh --out {} --part=brick=0.033 --part=saw blade --camera=/dev/video1 -- bench2",
                 at("stations/bench2.toml")
             )]
         );
@@ -475,11 +476,11 @@ mod tests {
         let refused = planned(&read_only, TaskKind::Calibrate, "", text, 0).unwrap_err();
         assert!(refused.contains("set bench.calibration") && refused.contains("/proc/none"), "{refused}");
         for (name, text) in [
-            ("../bench", "\nbrick"),
-            ("Bench", "\nbrick"),
+            ("../bench", "\nen\nbrick"),
+            ("Bench", "\nen\nbrick"),
             ("bench", ""),
-            ("bench", "/etc/passwd\nbrick"),
-            ("bench", "/dev/video0;x\nbrick"),
+            ("bench", "/etc/passwd\nen\nbrick"),
+            ("bench", "/dev/video0;x\nen\nbrick"),
         ] {
             assert!(planned(&config, TaskKind::New, name, text, 0).is_err(), "{name} {text}");
         }

@@ -107,6 +107,7 @@ mod tests {
             camera: None,
             hands: None,
             board: None,
+            language: "en".into(),
             out: None,
             force: false,
         }

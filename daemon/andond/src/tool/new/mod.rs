@@ -47,6 +47,7 @@ pub fn run(arguments: &New) -> Result<Code, ToolError> {
         camera: camera(&answers.camera)?,
         hands: answers.hands,
         board: arguments.board,
+        language: arguments.language.clone(),
         installation: Installation::of_this_machine(),
     };
     atomic::write(&out, station.text().as_bytes()).map_err(cannot_write(&out))?;

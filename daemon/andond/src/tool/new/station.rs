@@ -59,6 +59,8 @@ pub(super) struct Station {
     pub(super) hands: Hands,
     /// The port of its board, if it has one.
     pub(super) board: Option<u16>,
+    /// The language of that board.
+    pub(super) language: String,
     pub(super) installation: Installation,
 }
 
@@ -116,7 +118,8 @@ impl Station {
             let _ = writeln!(
                 text,
                 "\n[board]\n# Pages for worker, technician and engineer, in a browser of this machine. `language` is one of de, en, es, fr, zh.\n\
-                 enable = true\nport = {port}\nlanguage = \"en\"\n\n[executor]\n# What an engineer orders on the board is done.\nenable = true"
+                 enable = true\nport = {port}\nlanguage = {}\n\n[executor]\n# What an engineer orders on the board is done.\nenable = true",
+                quoted(&self.language)
             );
         }
         if let Installation::Sources { .. } = self.installation {
@@ -163,7 +166,15 @@ mod tests {
     fn station(camera: Camera, installation: Installation) -> Station {
         let part = |(id, name): (u16, &str)| Part { id, name: name.into(), side_m: 0.036 };
         let parts = [(1, "brick"), (2, "the \"grey\" Schleifklotz\\2")].map(part).into();
-        Station { name: "bench1".into(), parts, camera, hands: Hands::Right, board: None, installation }
+        Station {
+            name: "bench1".into(),
+            parts,
+            camera,
+            hands: Hands::Right,
+            board: None,
+            language: "de".into(),
+            installation,
+        }
     }
 
     fn read(station: &Station) -> Config {
@@ -189,6 +200,7 @@ mod tests {
 
         let config = read(&Station { board: Some(9470), ..installed });
         assert_eq!((config.board.enable, config.board.port, config.executor.enable), (true, 9470, true));
+        assert_eq!(config.board.language, "de");
         assert_eq!(config.station.jobs, Path::new("/var/lib/andon/bench1.jobs"));
 
         let models = tempfile::tempdir().unwrap();
