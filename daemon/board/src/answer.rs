@@ -175,7 +175,6 @@ impl Board {
         let event = self.event(&address.at).filter(|_| self.settings.picture).copied();
         let wanted = match request.path.strip_prefix(FILM) {
             Some("frame.svg") => address.frame.parse().ok().map(Wanted::Frame),
-            Some("still.jpg") => Some(Wanted::Still),
             Some(name) if is_plain(name) => Some(Wanted::Recording(name.to_owned())),
             _ => None,
         };

@@ -20,8 +20,6 @@ pub struct Film {
     pub clip: String,
     /// When each was taken, in milliseconds since the one that the event was decided on, in their order; empty where the clip has none.
     pub times_ms: Vec<i64>,
-    /// Whether a still lies beside the clip.
-    pub has_still: bool,
 }
 
 impl Film {
@@ -56,8 +54,6 @@ pub enum Wanted {
     Film,
     /// The picture with this number: [`crate::Board::frame`] answers.
     Frame(usize),
-    /// The still: [`Ask::answer`] answers, as JPEG.
-    Still,
     /// The recording with this name, if there is one: [`Ask::answer`] answers, with its bytes.
     Recording(String),
 }

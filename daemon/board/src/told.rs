@@ -77,6 +77,14 @@ impl Teller<'_> {
         name.map_or(number.clone(), |name| [&number, self.words.say("label.colon"), &name].concat())
     }
 
+    /// What was expected and what came, what was not seen and what helps, as far as there is something: each with the key of its word.
+    pub(crate) fn pairs(&self, verdict: &Verdict) -> Vec<(&'static str, String)> {
+        let (expected, got) = self.expected_and_got(verdict).unzip();
+        let texts = [expected, got, self.missing(verdict), self.help(verdict)];
+        let keys = ["label.expected", "label.got", "label.missing", "label.help"];
+        keys.into_iter().zip(texts).filter_map(|(key, text)| Some((key, text?))).collect()
+    }
+
     /// What was measured, and what was shown.
     pub(crate) fn measured(&self, verdict: &Verdict) -> Option<Pair> {
         let measure = measure(verdict)?;

@@ -31,7 +31,7 @@ const PATHS: [&str; 7] = [
     "/technician",
     "/technician/event",
     "/technician/explain",
-    "/technician/film/still.jpg",
+    "/technician/film/frame.svg",
     "/events",
     "/board.js",
 ];
@@ -176,7 +176,7 @@ fn no_path_leads_to_a_file() {
             "/technician/film/%2e%2e%2fetc%2fpasswd?at=0-0",
             "/technician/film/frame.svg?at=0-0&frame=-1",
             "/technician/film/frame.svg?at=0-0&frame=99999999999999999999999",
-            "/technician/film/still.jpg?at=7-7",
+            "/technician/film/frame.svg?at=7-7",
             "/technician/film/one.mcap",
         ] {
             let answer = get(port, path);
@@ -308,7 +308,7 @@ fn an_event_is_a_page_whatever_its_names_are_and_a_recording_is_asked_for_by_a_n
                 asked.into_iter().map(|asked| asked.join().unwrap()).collect()
             })
         };
-        let film = Film { clip: MARKUP.to_owned(), times_ms: vec![-5, 0, 5], has_still: true };
+        let film = Film { clip: MARKUP.to_owned(), times_ms: vec![-5, 0, 5] };
         let pages = asks(
             &["/technician/event?at=0-0", "/technician/event?at=0-0&frame=%22&lang=%3C"],
             &|board, ask| {
@@ -329,7 +329,7 @@ fn an_event_is_a_page_whatever_its_names_are_and_a_recording_is_asked_for_by_a_n
         };
         assert!(recording.starts_with("HTTP/1.1 404 ") && recording.contains("nosniff"), "{recording}");
         // Nobody answers, and the browser is told so.
-        let [left] = &asks(&["/technician/film/still.jpg?at=0-0"], &|_, ask| drop(ask))[..] else {
+        let [left] = &asks(&["/technician/film/frame.svg?at=0-0&frame=1"], &|_, ask| drop(ask))[..] else {
             panic!("one was asked for")
         };
         assert!(left.starts_with("HTTP/1.1 503 "), "{left}");

@@ -45,7 +45,7 @@ pub(crate) enum Needs {
     ToAct(Rank),
 }
 
-/// Where the pictures, stills and recordings of events are.
+/// Where the pictures and recordings of events are.
 pub(crate) const FILM: &str = "/technician/film/";
 
 /// Where the files are that the commands of engineers make.
@@ -58,7 +58,7 @@ pub(crate) enum Place {
     /// What changes on a page.
     Events(Page),
     Picture,
-    /// A picture, the still or the recording of an event.
+    /// A picture or the recording of an event.
     Film,
     /// The picture of a step.
     Step,

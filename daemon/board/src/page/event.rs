@@ -1,4 +1,4 @@
-//! An event: its verdict in words, the measure against what was shown, the pictures around it as a film, and the still.
+//! An event: its verdict in words, the measure against what was shown, and the pictures around it as a film.
 //!
 //! Who may say so says here as well whether it was right. A browser without scripts goes from picture to picture by links, and chooses one by the form. With scripts the film plays.
 
@@ -58,18 +58,14 @@ fn told(html: &mut Html, board: &Board, words: &Table, address: &Address, verdic
         html.raw(" \u{2013} ").text(&text);
     }
     html.raw("</h1><dl>");
-    let mut pair = |key: &str, text: Option<String>| {
-        if let Some(text) = text {
-            html.element("<div><dt>", words.say(key), "</dt>").element("<dd>", &text, "</dd></div>");
-        }
-    };
-    let (expected, got) = teller.expected_and_got(verdict).unzip();
-    pair("label.expected", expected);
-    pair("label.got", got);
-    pair("label.missing", teller.missing(verdict));
-    pair("label.help", teller.help(verdict));
-    pair("label.time", Some((board.settings.local_time)(verdict.decided_utc_ns)));
-    pair("label.part_id", Some(verdict.part.text().to_owned()).filter(|part| !part.is_empty()));
+    let mut pairs = teller.pairs(verdict);
+    pairs.push(("label.time", (board.settings.local_time)(verdict.decided_utc_ns)));
+    if !verdict.part.is_none() {
+        pairs.push(("label.part_id", verdict.part.text().to_owned()));
+    }
+    for (key, text) in pairs {
+        html.element("<div><dt>", words.say(key), "</dt>").element("<dd>", &text, "</dd></div>");
+    }
     html.element("<div><dt>", words.say("label.confirmed"), "</dt><dd class=\"confirm\">");
     confirmed::draw(html, board, words, address, verdict);
     html.raw("</dd></div></dl>");
@@ -106,11 +102,6 @@ fn clip(html: &mut Html, words: &Table, address: &Address, film: &Film) {
     html.text(&address.at).raw("\">").text(words.say("clip.download")).raw("</a> ");
     html.element("<code>", &film.clip, "</code></p>");
     html.raw("</section>");
-    if film.has_still {
-        html.raw("<figure id=\"still\"><img src=\"/technician/film/still.jpg?at=").text(&address.at);
-        html.raw("\" alt=\"").text(words.say("clip.still")).raw("\">");
-        html.element("<figcaption>", words.say("clip.still"), "</figcaption></figure>");
-    }
 }
 
 /// The film at one of its pictures. The times are read by the script, in milliseconds.
@@ -193,7 +184,7 @@ mod tests {
 
     #[test]
     fn an_event_is_told_in_words_with_its_film_at_the_picture_of_the_address() {
-        let film = Film { clip: "one.mcap".to_owned(), times_ms: vec![-40, 0, 1500], has_still: true };
+        let film = Film { clip: "one.mcap".to_owned(), times_ms: vec![-40, 0, 1500] };
         let page = drawn("at=17-4&lang=de&fault=fault.Strokes.below", Some(&Ok(film.clone())));
         for text in [
             "\u{2715} FEHLER \u{2013} zu wenige Hübe \u{2013} Schritt 1: polish",
@@ -204,7 +195,6 @@ mod tests {
             "href=\"/technician/event?lang=de&amp;fault=fault.Strokes.below&amp;at=17-4&amp;frame=2\"",
             "aria-valuetext=\"+0,00 s\"",
             "href=\"/technician/film/one.mcap?at=17-4\"",
-            "src=\"/technician/film/still.jpg?at=17-4\"",
             "href=\"/technician?lang=de&amp;fault=fault.Strokes.below&amp;at=17-4#e17-4\"",
         ] {
             assert!(page.contains(text), "{text} is not in {page}");

@@ -86,16 +86,9 @@ fn told(html: &mut Html, board: &Board, words: &Table, state: State) {
 fn fault(html: &mut Html, teller: &Teller<'_>, cause: &Verdict) {
     let step = teller.step_of(cause).map(|step| format!("{step} \u{2013} ")).unwrap_or_default();
     html.raw("<p class=\"what\">").text(&step).text(&teller.fault(cause)).raw("</p><dl>");
-    let mut pair = |key: &str, text: Option<String>| {
-        if let Some(text) = text {
-            html.element("<div><dt>", teller.words.say(key), "</dt>").element("<dd>", &text, "</dd></div>");
-        }
-    };
-    let (expected, got) = teller.expected_and_got(cause).unzip();
-    pair("label.expected", expected);
-    pair("label.got", got);
-    pair("label.missing", teller.missing(cause));
-    pair("label.help", teller.help(cause));
+    for (key, text) in teller.pairs(cause) {
+        html.element("<div><dt>", teller.words.say(key), "</dt>").element("<dd>", &text, "</dd></div>");
+    }
     html.raw("</dl>");
 }
 

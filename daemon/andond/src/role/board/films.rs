@@ -19,9 +19,7 @@ use andon_board::{Ask, Board, Film, NoFilm, Picture, Thing, Wanted};
 use andon_host::config::Config;
 use andon_http::{Feed, Response};
 use andon_ipc::Channel;
-use andon_learn::file;
 use andon_record::Topic;
-use andon_record::index::still_of;
 use andon_record::picture::jpeg_in;
 use andon_record::places::{Place, places};
 use andon_record::store;
@@ -48,9 +46,6 @@ const DOWNLOADS: usize = 2;
 const PATIENCE: Duration = Duration::from_secs(10);
 /// What is read at once.
 const PIECE: usize = 1 << 16;
-
-/// A still has fewer bytes.
-const LARGEST_STILL: u64 = 16 << 20;
 
 /// What a film is made of.
 const TOPICS: [Topic; 4] = [
@@ -157,10 +152,6 @@ impl Shelf {
                 }
                 Wanted::Frame(number) => match self.reel(&ask).ok().and_then(|reel| reel.picture(*number)) {
                     Some(picture) => self.answer(ask, Answer::Frame(picture)),
-                    None => ask.answer(Response::text(404, NO_SUCH_PICTURE)),
-                },
-                Wanted::Still => match self.reel(&ask).ok().and_then(Reel::still) {
-                    Some(jpeg) => ask.answer(Response::ok("image/jpeg", jpeg)),
                     None => ask.answer(Response::text(404, NO_SUCH_PICTURE)),
                 },
                 Wanted::Recording(name) => match self.recording(name) {
@@ -290,7 +281,6 @@ impl Reel {
         let film = Film {
             clip: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             times_ms: pictures.iter().map(since_ms).collect(),
-            has_still: still_of(&path, event).exists(),
         };
         Ok(Self { event, path, mark, film, pictures })
     }
@@ -305,10 +295,6 @@ impl Reel {
         let message = place.read(&File::open(&self.path).ok()?).ok()?;
         let (jpeg, size) = jpeg_in(&message).ok()?;
         Some(Picture { jpeg, size, things: things.clone() })
-    }
-
-    fn still(&self) -> Option<Vec<u8>> {
-        file::read_up_to(&still_of(&self.path, self.event), LARGEST_STILL).ok()
     }
 }
 
