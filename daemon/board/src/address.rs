@@ -61,6 +61,10 @@ pub(crate) struct Address {
     pub(crate) lang: String,
     /// The key of the fault to which the events are limited.
     pub(crate) fault: String,
+    /// The word of the level to which the events are limited.
+    pub(crate) level: String,
+    /// The part id to which they are limited.
+    pub(crate) part: String,
     /// The event that the list begins with; without it the newest.
     pub(crate) at: String,
     /// The number of a picture of the event's film; without it the one that was decided on.
@@ -88,6 +92,8 @@ impl Address {
             let place = match key {
                 "lang" => &mut address.lang,
                 "fault" => &mut address.fault,
+                "level" => &mut address.level,
+                "part" => &mut address.part,
                 "at" => &mut address.at,
                 "frame" => &mut address.frame,
                 "code" => &mut address.code,
@@ -148,6 +154,8 @@ impl Address {
         let pairs = [
             ("lang", self.lang.as_str()),
             ("fault", &self.fault),
+            ("level", &self.level),
+            ("part", &self.part),
             ("at", &self.at),
             ("frame", &self.frame),
             ("code", &self.code),
@@ -181,7 +189,7 @@ mod tests {
 
     #[test]
     fn an_address_comes_back_from_its_links() {
-        let query = "lang=de&fault=Duration.below&at=17-4&frame=3&sound=on";
+        let query = "lang=de&fault=Duration.below&level=job&part=A-7&at=17-4&frame=3&sound=on";
         let address = Address::new(Page::Event, query);
         assert_eq!(address.link(), format!("/technician/event?{query}"));
         let events = address.events();

@@ -12,7 +12,7 @@ pub(super) fn draw(html: &mut Html, board: &Board, words: &Table, address: &Addr
     html.raw("<main id=\"explain\"><h1>").text(words.say("label.codes")).raw("</h1>");
     if let Some(code) = address.code.parse().ok().and_then(|number| of_number(codes, number)) {
         html.element("<section class=\"now unjudged\"><h2>", code.name, " ");
-        html.element("<small>", level(code, words), "</small> ");
+        html.element("<small>", level(code, words), " \u{2013} </small>");
         group(html, code, words, ["<small", "</small></h2>"]);
         meaning(html, code, words, ["<p", "</p></section>"]);
         html.raw("<dl><div><dt>").text(words.say("label.remedy")).raw("</dt>");
@@ -68,7 +68,7 @@ fn level<'a>(code: &'a Code, words: &'a Table) -> &'a str {
 /// The name of a code, which leads to what is said of it.
 fn link(html: &mut Html, code: &Code, address: &Address) {
     let to = Address { code: code.number.to_string(), ..address.on(Page::Explain) };
-    html.raw("<a href=\"").text(&to.link()).element("\">", code.name, "</a>");
+    html.link(&to.link(), code.name);
 }
 
 /// A code of the log with its meaning, which leads to what to do.

@@ -120,7 +120,7 @@ fn faults(html: &mut Html, board: &Board, words: &Table, address: &Address) {
     html.raw("</tr></thead><tbody>");
     for (fault, count) in faults.into_iter().take(FAULTS) {
         let to = Address { fault: fault.to_owned(), at: String::new(), ..address.clone() };
-        html.raw("<tr><td><a href=\"").text(&to.link()).raw("\">").text(words.say(fault)).raw("</a></td>");
+        html.raw("<tr><td>").link(&to.link(), words.say(fault)).raw("</td>");
         html.element("<td class=\"number\">", &count.to_string(), "</td>");
         let share = 100 * count / all;
         html.raw("<td><svg viewBox=\"0 0 100 10\" preserveAspectRatio=\"none\" aria-hidden=\"true\">");

@@ -17,11 +17,17 @@ use crate::words::Table;
 const COLUMNS: [&str; 10] =
     ["time", "outcome", "level", "step_column", "fault", "measured", "shown", "part_id", "clip", "confirmed"];
 
+/// The levels of events, each with the key of its word.
+const LEVELS: [(&str, &str); 3] = [("job", "level.job"), ("activity", "level.activity"), ("iu", "level.iu")];
+
 /// Events on one page.
 const SHOWN: usize = 100;
 
 /// A role that has no deadline of its own is silent after this time: it gives two signs of life per second.
 const SILENT_NS: u64 = 2_000_000_000;
+
+/// The number of the code that says that there is no job.
+const NO_JOB: u32 = 311;
 
 /// What changes.
 pub(super) fn draw(html: &mut Html, board: &Board, words: &Table, address: &Address) {
@@ -74,11 +80,9 @@ pub(super) fn line(html: &mut Html, board: &Board, words: &Table, address: &Addr
     if state == State::NoJob {
         html.raw("<p class=\"turns\">");
         if address.page != Page::Engineer {
-            html.raw("<a href=\"").text(&address.on(Page::Engineer).link());
-            html.element("\">", words.say("label.engineer"), "</a> ");
+            html.link(&address.on(Page::Engineer).link(), words.say("label.engineer")).raw(" ");
         }
-        let code = board.health_of(RoleId::Judge).map_or(0, |of| of.last_error);
-        explain::short(html, board, words, address, code);
+        explain::short(html, board, words, address, NO_JOB);
         html.raw("</p>");
     }
     if !board.job.name.is_empty() {
@@ -109,8 +113,8 @@ fn roles(html: &mut Html, board: &Board, words: &Table, address: &Address) {
     for role in &board.settings.roles {
         self::role(html, board, words, address, *role);
     }
-    html.raw("</tbody></table></div><p class=\"turns\"><a href=\"").text(&address.on(Page::Explain).link());
-    html.element("\">", words.say("label.codes"), "</a></p></section>");
+    html.raw("</tbody></table></div><p class=\"turns\">");
+    html.link(&address.on(Page::Explain).link(), words.say("label.codes")).raw("</p></section>");
 }
 
 pub(super) fn heads(html: &mut Html, words: &Table, columns: &[&str]) {
@@ -160,23 +164,18 @@ pub(super) fn is_silent(health: &Health, now_ns: u64) -> bool {
 fn filter(html: &mut Html, board: &Board, words: &Table, address: &Address) {
     let asked = Some(address.fault.clone()).filter(|key| words.has(key));
     let keys: BTreeSet<String> = board.events.iter().filter_map(fault_key).chain(asked).collect();
+    html.raw("<form id=\"filter\" action=\"/technician\">");
+    let all = std::iter::once(("", words.say("label.all"), ""));
+    let faults = keys.iter().map(|key| (key.as_str(), words.say(key), ""));
+    html.select("fault", words.say("label.fault"), &address.fault, all.clone().chain(faults));
+    let levels = LEVELS.map(|(level, key)| (level, words.say(key), ""));
+    html.select("level", words.say("label.level"), &address.level, all.chain(levels));
     html.element(
-        "<form id=\"filter\" action=\"/technician\"><label for=\"fault\">",
-        words.say("label.fault"),
-        "</label>",
+        "<label class=\"pick\">",
+        words.say("label.part_id"),
+        " <input id=\"part\" name=\"part\" maxlength=\"32\"",
     );
-    html.raw("<select id=\"fault\" name=\"fault\"><option value=\"\">")
-        .text(words.say("label.all_faults"))
-        .raw("</option>");
-    for key in &keys {
-        html.raw("<option value=\"").text(key).raw(if *key == address.fault {
-            "\" selected>"
-        } else {
-            "\">"
-        });
-        html.text(words.say(key)).raw("</option>");
-    }
-    html.raw("</select>");
+    html.raw(" pattern=\"[A-Za-z0-9._\\-]*\" value=\"").text(&address.part).raw("\"></label>");
     if !address.lang.is_empty() {
         html.raw("<input type=\"hidden\" name=\"lang\" value=\"").text(&address.lang).raw("\">");
     }
@@ -188,8 +187,11 @@ pub(super) fn name_of(verdict: &Verdict) -> String {
 }
 
 fn events(html: &mut Html, board: &Board, words: &Table, address: &Address) {
-    let is_wanted =
-        |event: &&Verdict| address.fault.is_empty() || fault_key(event).as_deref() == Some(&address.fault);
+    let is_wanted = |event: &&Verdict| {
+        (address.fault.is_empty() || fault_key(event).as_deref() == Some(&address.fault))
+            && (address.level.is_empty() || event.level().is_ok_and(|level| level.name() == address.level))
+            && (address.part.is_empty() || event.part.text() == address.part)
+    };
     let is_before = |event: &&Verdict| !address.at.is_empty() && name_of(event) != address.at;
     let mut wanted = board.events.iter().skip_while(is_before).filter(is_wanted).peekable();
     html.element("<section id=\"events\"><h2>", words.say("label.events"), "</h2>");
@@ -213,11 +215,7 @@ fn events(html: &mut Html, board: &Board, words: &Table, address: &Address) {
 fn turns(html: &mut Html, words: &Table, address: &Address, older: Option<String>) {
     html.raw("<p class=\"turns\">");
     let mut link = |at: String, key: &str| {
-        html.raw("<a href=\"")
-            .text(&Address { at, ..address.clone() }.link())
-            .raw("\">")
-            .text(words.say(key))
-            .raw("</a> ");
+        html.link(&Address { at, ..address.clone() }.link(), words.say(key)).raw(" ");
     };
     if !address.at.is_empty() {
         link(String::new(), "label.newest");
@@ -254,7 +252,7 @@ fn event(html: &mut Html, board: &Board, words: &Table, address: &Address, verdi
     html.element("</td><td>", verdict.part.text(), "</td>");
     let has_clip = board.clips.show(verdict.stamp.id());
     html.raw("<td><a href=\"").text(&Address { at: name, ..address.on(Page::Event) }.link()).raw("\">");
-    html.raw(if has_clip { "\u{25b6} " } else { "" });
+    html.raw(if has_clip { "\u{25b6}\u{a0}" } else { "" });
     html.text(words.say(if has_clip { "label.clip" } else { "label.look" })).raw("</a></td>");
     html.raw("<td class=\"confirm\">");
     confirmed::draw(html, board, words, address, verdict);
@@ -279,16 +277,15 @@ mod tests {
     use crate::code::Code;
     use crate::line::{Ill, Line, Stop};
     use crate::page::view;
-    use crate::sample::settings;
+    use crate::sample::{settings, wrong};
     use crate::words::Tables;
-    use shm_schemas::{JudgePhase, Judging};
+    use shm_schemas::{JudgePhase, Judging, PartId, VerdictReason};
 
     #[test]
     fn a_line_without_a_job_says_so_in_every_language_and_leads_to_where_one_is_taught_and_explained() {
         let code = Code { number: 311, name: "AND-311", meaning: "no job is selected", ..Code::default() };
         let mut board = Board::new(Settings { codes: vec![code], ..settings() });
         board.judging(&Judging { phase: JudgePhase::NoJob.code(), ..Judging::default() });
-        board.health(&Health { role: RoleId::Judge.code(), last_error: 311, ..Health::default() });
         board.line(Line::NoJob, None);
         assert!(board.has_no_job());
         for (code, _) in board.settings.tables.languages() {
@@ -309,6 +306,31 @@ mod tests {
         let drawn = view(&board, &Address::new(Page::Technician, ""));
         assert!(drawn.contains("perceive gives no sign of life"), "{drawn}");
         assert!(drawn.contains("NOT WATCHING") && !drawn.contains("class=\"turns\"><a href=\"/engineer"));
+    }
+
+    #[test]
+    fn events_are_limited_to_a_fault_a_level_and_a_part() {
+        let mut board = Board::new(settings());
+        for (seq, level, part) in
+            [(1, VerdictLevel::Iu, "A-1"), (2, VerdictLevel::Job, "A-1"), (3, VerdictLevel::Job, "A-2")]
+        {
+            let mut fault = Verdict {
+                level: level.code(),
+                part: PartId::new(part.as_bytes()).unwrap(),
+                ..wrong(VerdictReason::Motion)
+            };
+            fault.stamp.seq = seq;
+            board.verdict(&fault);
+        }
+        let rows = |query: &str| {
+            let drawn = view(&board, &Address::new(Page::Technician, query));
+            [1, 2, 3].map(|seq| drawn.contains(&format!("<tr id=\"e0-{seq}\">")))
+        };
+        assert_eq!(rows("fault=&level=&part="), [true; 3]);
+        assert_eq!(rows("level=job"), [false, true, true]);
+        assert_eq!(rows("part=A-1"), [true, true, false]);
+        assert_eq!(rows("level=job&part=A-1&fault=fault.Motion"), [false, true, false]);
+        assert_eq!(rows("fault=fault.TooShort"), [false; 3]);
     }
 
     #[test]
