@@ -143,6 +143,22 @@ impl Tables {
     }
 }
 
+#[cfg(test)]
+impl Tables {
+    /// The language in which every text stands in brackets.
+    pub(crate) const BRACKETS: &str = "qq";
+
+    /// With that language as well.
+    pub(crate) fn in_brackets() -> Self {
+        let mut tables = Self::shipped();
+        let said =
+            tables.english().0.iter().map(|(key, text)| (key.clone(), format!("\u{27e6}{text}\u{27e7}")));
+        let said = Table(said.collect());
+        tables.0.insert(Self::BRACKETS.to_owned(), said);
+        tables
+    }
+}
+
 impl Table {
     /// The text of a key; the key itself, where a newer line says what this build does not know.
     pub(crate) fn say<'t>(&'t self, key: &'t str) -> &'t str {

@@ -172,6 +172,11 @@ impl Access {
         self.logins = logins;
     }
 
+    /// Whether nobody can log in.
+    pub(crate) fn has_no_logins(&self) -> bool {
+        self.logins.is_empty()
+    }
+
     /// Who sends a request.
     pub(crate) fn visitor(&mut self, request: &Request, is_use: bool, now_ns: u64) -> Visitor {
         let Some(token) = self.token(request) else { return Visitor::default() };

@@ -26,6 +26,16 @@ pub(crate) struct Session {
     pub(crate) csrf: Token,
 }
 
+#[cfg(test)]
+impl Session {
+    /// One of an engineer.
+    pub(crate) fn sample(name: &str) -> Self {
+        let rank = Rank::Engineer;
+        let login = Login { name: name.to_owned(), rank, password: String::new() };
+        Self { number: 1, login, rank, csrf: Token::new().unwrap_or_else(|| unreachable!()) }
+    }
+}
+
 #[derive(Debug)]
 struct Kept {
     hash: TokenHash,

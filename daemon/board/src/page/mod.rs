@@ -7,6 +7,8 @@ mod event;
 mod explain;
 mod job;
 mod look;
+#[cfg(test)]
+mod own_words;
 mod picture;
 mod plain;
 mod plot;
@@ -127,17 +129,11 @@ fn links(html: &mut Html, board: &Board, (own, words): (&str, &Table), address: 
         let count = if address.page == Page::Worker { 2 } else { 3 };
         for (page, key) in pages.into_iter().take(count) {
             html.raw("<a");
-            link(html, &address.on(page), words.say(key), page == address.page);
+            link(html, &address.on(page).link(), words.say(key), page == address.page);
         }
         html.raw("</nav>");
     }
-    html.raw("<nav aria-label=\"").text(words.say("label.languages")).raw("\">");
-    for (code, name) in board.settings.tables.languages() {
-        let to = Address { lang: code.to_owned(), ..address.clone() };
-        html.raw("<a lang=\"").text(code).raw("\" hreflang=\"").text(code).raw("\"");
-        link(html, &to, name, code == own);
-    }
-    html.raw("</nav>");
+    languages(html, board, (own, words), address, Address::link);
     // Where there is the picture alone, nobody logs in.
     if !board.settings.is_look {
         door(html, words, address, visitor);
@@ -145,11 +141,27 @@ fn links(html: &mut Html, board: &Board, (own, words): (&str, &Table), address: 
     html.raw("</footer>");
 }
 
+/// The ways to the same page in the other languages, of which each has its own link.
+fn languages(
+    html: &mut Html,
+    board: &Board,
+    (own, words): (&str, &Table),
+    address: &Address,
+    to: fn(&Address) -> String,
+) {
+    html.raw("<nav aria-label=\"").text(words.say("label.languages")).raw("\">");
+    for (code, name) in board.settings.tables.languages() {
+        html.raw("<a lang=\"").text(code).raw("\" hreflang=\"").text(code).raw("\"");
+        link(html, &to(&Address { lang: code.to_owned(), ..address.clone() }), name, code == own);
+    }
+    html.raw("</nav>");
+}
+
 /// The way in, or the name of who is in and the way out.
 fn door(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor) {
     let Some(session) = &visitor.session else {
-        html.raw("<nav aria-label=\"").text(words.say("login.title")).raw("\"><a href=\"");
-        html.text(&address.login()).raw("\">").text(words.say("login.enter")).raw("</a></nav>");
+        html.raw("<nav aria-label=\"").text(words.say("login.title")).raw("\">");
+        html.link(&address.login(), words.say("login.enter")).raw("</nav>");
         return;
     };
     html.raw("<form class=\"out\" method=\"post\" action=\"/logout\">");
@@ -165,7 +177,7 @@ fn token(html: &mut Html, session: &Session) {
 }
 
 /// A link whose first tag is open.
-fn link(html: &mut Html, to: &Address, name: &str, is_here: bool) {
-    html.raw(" href=\"").text(&to.link()).raw("\"");
+fn link(html: &mut Html, to: &str, name: &str, is_here: bool) {
+    html.raw(" href=\"").text(to).raw("\"");
     html.raw(if is_here { " aria-current=\"page\">" } else { ">" }).text(name).raw("</a>");
 }

@@ -4,6 +4,8 @@
 
 use std::fmt::Write as _;
 
+use base64ct::{Base64, Encoding as _};
+
 use crate::address::Address;
 use crate::board::Board;
 use crate::html::Html;
@@ -32,7 +34,7 @@ pub(crate) fn drawn(board: &Board, address: &Address, picture: &Picture) -> Stri
     html.raw("\"><rect width=\"100%\" height=\"100%\" fill=\"#17191c\"/><image width=\"")
         .text(&width.to_string());
     html.raw("\" height=\"").text(&height.to_string()).raw("\" href=\"data:image/jpeg;base64,");
-    html.text(&base64(&picture.jpeg)).raw("\"/>");
+    html.text(&Base64::encode_string(&picture.jpeg)).raw("\"/>");
     for thing in &picture.things {
         outline(&mut html, thing, width);
     }
@@ -135,40 +137,11 @@ fn lines(text: &str) -> Vec<String> {
     lines
 }
 
-/// Bytes as RFC 4648 writes them.
-fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for group in bytes.chunks(3) {
-        let of = |place: usize| u32::from(group.get(place).copied().unwrap_or_default());
-        let bits = of(0) << 16 | of(1) << 8 | of(2);
-        for place in 0..4 {
-            let digit = DIGITS[(bits >> (18 - 6 * place)) as usize & 63];
-            text.push(if place > group.len() { '=' } else { digit.into() });
-        }
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::address::Page;
     use crate::sample::{job, settings};
-
-    #[test]
-    fn bytes_are_written_in_base64_as_the_rfc_says() {
-        for (bytes, text) in [
-            ("", ""),
-            ("f", "Zg=="),
-            ("fo", "Zm8="),
-            ("foo", "Zm9v"),
-            ("foob", "Zm9vYg=="),
-            ("fooba", "Zm9vYmE="),
-        ] {
-            assert_eq!(base64(bytes.as_bytes()), text);
-        }
-    }
 
     #[test]
     fn what_is_seen_has_full_lines_what_is_assumed_dashes_and_what_is_not_seen_stands_beneath() {

@@ -1,7 +1,8 @@
 //! Pages that show nothing of the station: the way in, and what a person must know.
 
+use super::languages;
 use crate::access::Refused;
-use crate::address::Address;
+use crate::address::{Address, Page};
 use crate::board::Board;
 use crate::html::Html;
 use crate::words::Table;
@@ -10,6 +11,10 @@ use crate::words::Table;
 pub(crate) fn login(board: &Board, address: &Address, refused: Option<Refused>) -> String {
     plain(board, address, "", |html, words| {
         html.element("<h1>", words.say("login.title"), "</h1>");
+        if board.access.has_no_logins() {
+            html.element("<p class=\"now quiet\">", words.say("login.none"), "<br><code lang=\"en\">");
+            html.raw("andond board login NAME --role engineer</code></p>");
+        }
         if let Some(refused) = refused {
             let seconds = if let Refused::Wait(seconds) = refused { seconds } else { 0 };
             let said = words.fill(refused.key(), &[("n", &seconds.to_string())]);
@@ -22,23 +27,23 @@ pub(crate) fn login(board: &Board, address: &Address, refused: Option<Refused>) 
         html.raw("<input id=\"password\" name=\"password\" type=\"password\" autocomplete=\"current-password\" required maxlength=\"256\">");
         place(html, address);
         html.element("<button>", words.say("login.enter"), "</button></form></main>");
-        html.raw("<footer><nav aria-label=\"").text(words.say("label.languages")).raw("\">");
-        for (code, name) in board.settings.tables.languages() {
-            let to = Address { lang: code.to_owned(), ..address.clone() }.login();
-            html.raw("<a lang=\"").text(code).raw("\" hreflang=\"").text(code).raw("\" href=\"").text(&to);
-            html.raw("\">").text(name).raw("</a>");
-        }
-        html.raw("</nav></footer>");
+        // A screen at the bench has no other way back.
+        html.raw("<footer><nav aria-label=\"").text(words.say("label.pages")).raw("\">");
+        html.link(&address.on(Page::Worker).link(), words.say("label.worker")).raw("</nav>");
+        languages(html, board, board.words(address), address, Address::login);
+        html.raw("</footer>");
     })
 }
 
 /// Says one thing, and why in the words of the line, and leads back.
 pub(crate) fn notice(board: &Board, address: &Address, key: &str, why: &str) -> String {
     plain(board, address, "", |html, words| {
-        html.element("<p class=\"now check\" role=\"alert\">", words.say(key), " ");
-        html.element("<span lang=\"en\">", why, "</span></p>");
-        html.raw("<p class=\"turns\"><a href=\"").text(&address.link()).raw("\">");
-        html.text(words.say("confirm.back")).raw("</a></p></main>");
+        html.element("<div class=\"now check\" role=\"alert\"><h1>", words.say(key), "</h1>");
+        if !why.is_empty() {
+            html.element("<p lang=\"en\">", why, "</p>");
+        }
+        html.raw("</div>");
+        html.raw("<p class=\"turns\">").link(&address.link(), words.say("confirm.back")).raw("</p></main>");
     })
 }
 
@@ -46,7 +51,7 @@ pub(crate) fn notice(board: &Board, address: &Address, key: &str, why: &str) -> 
 pub(crate) fn kiosk(board: &Board) -> String {
     let lead = "<meta http-equiv=\"refresh\" content=\"0; url=/\">";
     plain(board, &Address::default(), lead, |html, words| {
-        html.raw("<p class=\"turns\"><a href=\"/\">").text(words.say("label.worker")).raw("</a></p></main>");
+        html.raw("<p class=\"turns\">").link("/", words.say("label.worker")).raw("</p></main>");
     })
 }
 
@@ -72,4 +77,25 @@ fn plain(
     draw(&mut html, words);
     html.raw("</body></html>\n");
     html.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::access::{Logins, Rank};
+    use crate::sample::settings;
+
+    #[test]
+    fn a_login_leads_back_to_the_workers_page_and_says_how_one_is_made_while_nobody_has_one() {
+        let mut board = Board::new(settings());
+        let address = Address::new(Page::Engineer, "lang=de");
+        let page = login(&board, &address, None);
+        assert!(page.contains("<a href=\"/?lang=de\">Werker</a>"), "{page}");
+        assert!(page.contains("andond board login NAME --role engineer"), "{page}");
+        let mut logins = Logins::default();
+        logins.add("eva", Rank::Engineer, "correct horse").unwrap();
+        board.logins(logins);
+        assert!(!login(&board, &address, None).contains("andond board login"));
+    }
 }

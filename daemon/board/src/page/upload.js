@@ -51,28 +51,32 @@
     }
 
     /**
-     * Why a piece is not kept; empty where it is.
+     * What is said of a piece that is not kept; null where it is. The words of the line are English.
      * @param {Record<string, string | number>} pairs
+     * @returns {Promise<(string | Node)[] | null>}
      */
     async function piece(pairs) {
         for (let left = TRIES - 1; ; left--) {
             const answer = await post(pairs).catch(() => null);
             if (answer?.ok) {
-                return "";
+                return null;
+            }
+            if (answer?.status === 409) {
+                const why = document.createElement("span");
+                [why.lang, why.textContent] = ["en", await answer.text()];
+                return [`${form?.dataset.failed} `, why];
             }
             const isTemporary = !answer || answer.status === 503;
             if (!isTemporary || left === 0) {
-                return answer?.type === "basic" ? (await answer.text()).trim() : form?.dataset.lost || "?";
+                return [form?.dataset.lost ?? ""];
             }
             await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));
         }
     }
 
-    /** @param {string} text */
-    function say(text) {
-        if (told) {
-            told.textContent = text;
-        }
+    /** @param {(string | Node)[]} texts */
+    function say(...texts) {
+        told?.replaceChildren(...texts);
     }
 
     /** @param {File} file */
@@ -83,7 +87,7 @@
             const bytes = letters(await file.slice(at, at + PIECE_BYTES).arrayBuffer());
             const why = await piece({ ...about, at, piece: bytes });
             if (why) {
-                say(`${form?.dataset.failed} ${why}`);
+                say(...why);
                 return;
             }
             if (isStopped) {
