@@ -112,10 +112,12 @@ impl Browser {
         self.ask(Some(tab), "Network.setBlockedURLs", json!({"urls": urls}));
     }
 
-    /// Makes the window this large.
+    /// Makes the window this large. A small one that is higher than wide is a tablet, which people touch.
     pub fn resize(&mut self, tab: &Tab, [width, height]: [u32; 2]) {
         let size = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
         self.ask(Some(tab), "Emulation.setDeviceMetricsOverride", size);
+        let is_touched = json!({"enabled": width < 1000 && height > width});
+        self.ask(Some(tab), "Emulation.setTouchEmulationEnabled", is_touched);
     }
 
     /// Goes to another page and waits until it is there.

@@ -16,6 +16,8 @@ use std::time::{Duration, Instant};
 const FULL_HD: [u32; 2] = [1920, 1080];
 const WHOLE: [u32; 2] = [1920, 2400];
 const TABLET: [u32; 2] = [800, 1280];
+/// Full HD at 200 %.
+const TWICE: [u32; 2] = [960, 540];
 const PASSWORD: &str = "correct horse";
 
 /// The markers of the bench, from the left near the worker and round, each with its place in metres.
@@ -147,11 +149,10 @@ fn complete(browser: &mut Browser, tab: &Tab) {
 
 /// Looks at the page as people see it, and at what is wrong with it.
 fn look(browser: &mut Browser, tab: &Tab, name: &str) {
-    for (size, of) in [(TABLET, "-tablet"), (WHOLE, "")] {
+    let open = "document.querySelectorAll('details').forEach(details => details.open = true)";
+    for (size, of) in [(TABLET, "-tablet"), (TWICE, "-twice"), (WHOLE, "")] {
         browser.resize(tab, size);
-        let wide = "document.documentElement.scrollWidth <= innerWidth";
-        assert_eq!(browser.value(tab, wide), json!(true), "{name}{of}");
-        assert_eq!(browser.faults(tab, ""), [""; 0], "{name}{of}");
+        assert_eq!(browser.faults(tab, open), [""; 0], "{name}{of}");
         browser.keep(tab, &format!("{name}{of}"));
     }
     browser.resize(tab, FULL_HD);
@@ -213,8 +214,7 @@ fn an_engineer_without_a_shell_teaches_a_job_names_its_steps_loads_it_and_it_jud
     assert_eq!(browser.value(&tab, "getComputedStyle(document.body).maxWidth"), json!("980px"));
     let filled = "getComputedStyle(document.querySelector('svg rect')).fill !== 'rgb(0, 0, 0)'";
     assert_eq!(browser.value(&tab, filled), json!(true), "nor has the picture of the steps one");
-    browser.resize(&tab, WHOLE);
-    browser.keep(&tab, "engineer-report");
+    look(&mut browser, &tab, "engineer-report");
 
     browser.go(&tab, &format!("{board}/engineer"));
     press(&mut browser, &tab, "#jobs button[name=load]");
@@ -321,6 +321,8 @@ fn a_recording_is_sent_under_a_plain_name_one_at_a_time_and_what_is_stopped_leav
     other.choose(&second, "#recording", &small);
     press(&mut other, &second, 0);
     other.until(&second, &says("Nicht behalten: eva is just sending VID-2026-1-.mp4"));
+    let quoted = "document.querySelector('#sent [lang=en]').innerText.startsWith('eva is')";
+    assert_eq!(other.value(&second, quoted), json!(true), "what the line says is English on a German page");
     press(&mut browser, &tab, 1);
     browser.until(&tab, &says("It was broken off"));
     assert_eq!(left(), [""; 0]);
@@ -502,7 +504,7 @@ fn a_job_is_shown_at_the_bench_by_buttons_and_an_order_without_the_role_that_doe
     browser.until(&tab, "document.querySelector('#task').innerText.includes('executor')");
     press(&mut browser, &tab, "button[value=markers]");
     browser.until(&tab, "document.body.innerText.includes('antwortet nicht')");
-    browser.keep(&tab, "engineer-unheard");
+    look(&mut browser, &tab, "engineer-unheard");
 }
 
 #[test]

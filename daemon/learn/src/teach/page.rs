@@ -97,10 +97,10 @@ fn noticed(report: &TeachReport) -> String {
 
 fn recordings(job: &JobFile) -> String {
     let rows = job.provenance.sources.iter().map(|source| {
-        let used = if source.left_out { "left out" } else { "used" };
+        let used = if source.left_out { "left out" } else { "yes" };
         vec![escaped(&source.name), used.to_owned(), source.sha256.chars().take(16).collect()]
     });
-    let head = ["name", "", "SHA-256 begins with"];
+    let head = ["name", "used", "SHA-256 begins with"];
     table(
         &head,
         &head,
