@@ -274,12 +274,12 @@ fn pages_behind_a_network_that_is_cut_say_so_and_come_back_by_themselves_with_wh
         browser.until(tab, "document.getElementById('lost').hidden");
         browser.value(tab, "window.isOld = true");
     }
-    let before = browser.value(&tabs[1], newest);
 
     network.is_cut.store(true, Ordering::Relaxed);
     for tab in &tabs {
         browser.until(tab, is_lost);
     }
+    let before = browser.value(&tabs[1], newest);
     let seen = watcher.verdicts.len();
     watcher
         .until("the next piece", |watcher| watcher.verdicts[seen..].iter().any(|verdict| verdict.level == 3));
