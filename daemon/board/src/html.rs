@@ -33,6 +33,11 @@ impl Html {
         self.raw(open).text(text).raw(close)
     }
 
+    /// A term of a list, and what is said of it.
+    pub(crate) fn pair(&mut self, term: &str, text: &str) {
+        self.element("<div><dt>", term, "</dt>").element("<dd>", text, "</dd></div>");
+    }
+
     /// A link around a text.
     pub(crate) fn link(&mut self, to: &str, text: &str) -> &mut Self {
         self.raw("<a href=\"").text(to).element("\">", text, "</a>")

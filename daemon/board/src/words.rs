@@ -141,6 +141,11 @@ impl Tables {
     pub(crate) fn languages(&self) -> impl Iterator<Item = (&str, &str)> {
         self.0.iter().map(|(code, table)| (code.as_str(), table.say("language")))
     }
+
+    /// Those of them that every board has.
+    pub(crate) fn shipped_languages(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.languages().filter(|(code, _)| SHIPPED.iter().any(|(shipped, ..)| shipped == code))
+    }
 }
 
 #[cfg(test)]

@@ -174,12 +174,22 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_distance_is_within_itself_and_its_path_is_connected(a in motions(), b in motions()) {
-            let mut warp = Warp::new(LocalCost::Ordinal);
+        fn a_distance_is_within_itself_and_the_costs_of_its_path_add_up_to_it(
+            a in motions(),
+            b in motions(),
+            local in prop::sample::select(vec![LocalCost::Ordinal, LocalCost::Circular { bins: 8 }]),
+        ) {
+            let mut warp = Warp::new(local);
             let distance = warp.distance(&a, &b).unwrap();
             prop_assert_eq!(warp.distance(&b, &a).unwrap(), distance);
-            prop_assert_eq!(warp.distance_within(&a, &b, distance).unwrap(), Some(distance));
-            prop_assert_eq!(warp.distance_within(&a, &b, distance.next_down()).unwrap(), None);
+            for (bound, within) in [
+                (distance, Some(distance)),
+                (f64::INFINITY, Some(distance)),
+                (distance.next_down(), None),
+                (distance / 2.0, Some(distance).filter(|distance| *distance == 0.0)),
+            ] {
+                prop_assert_eq!(warp.distance_within(&a, &b, bound).unwrap(), within);
+            }
             let pairs = path(&mut warp, &a, &b);
             prop_assert_eq!(pairs[0], (a.len() - 1, b.len() - 1));
             prop_assert_eq!(*pairs.last().unwrap(), (0, 0));
@@ -187,8 +197,12 @@ mod tests {
                 let [(i, j), (k, l)] = [step[0], step[1]];
                 prop_assert!([(1, 1), (1, 0), (0, 1)].contains(&(i - k, j - l)));
             }
-            let squares = pairs.iter().map(|(i, j)| a[*i].0.iter().zip(b[*j].0).map(|(x, y)| f64::from(x - y).powi(2)).sum::<f64>());
-            prop_assert!((squares.sum::<f64>().sqrt() - distance).abs() < 1e-9);
+            if local == LocalCost::Ordinal {
+                let squares = pairs.iter().map(|(i, j)| a[*i].0.iter().zip(b[*j].0).map(|(x, y)| f64::from(x - y).powi(2)).sum::<f64>());
+                prop_assert!((squares.sum::<f64>().sqrt() - distance).abs() < 1e-9);
+            }
+            let costs = pairs.iter().map(|(i, j)| warp.distance(&a[*i..=*i], &b[*j..=*j]).unwrap().powi(2));
+            prop_assert!((costs.sum::<f64>().sqrt() - distance).abs() < 1e-9);
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::address::{Address, Page};
 use crate::board::Board;
 use crate::desk::{KnownJob, Shown};
 use crate::html::Html;
-use crate::words::{Table, Tables};
+use crate::words::Table;
 
 /// Where the markers for the calibration are printed, as `andond markers` does without an option, in metres.
 const CORNERS: [&str; 4] = ["-0.25,-0.15", "0.25,-0.15", "0.25,0.15", "-0.25,0.15"];
@@ -53,7 +53,7 @@ pub(super) fn draw_whole(
     upload(html, board, words, address, visitor);
     html.element("<h2>", words.say("engineer.bench"), "</h2><div class=\"beside\"><div>");
     bench(html, words, address, visitor);
-    station(html, board.words(address), address, visitor);
+    station(html, board, address, visitor);
     files(html, board, words);
     html.raw("</div>");
     if board.settings.picture {
@@ -301,8 +301,8 @@ fn bench(html: &mut Html, words: &Table, address: &Address, visitor: &Visitor) {
 }
 
 /// The file of a new station.
-fn station(html: &mut Html, words: (&str, &Table), address: &Address, visitor: &Visitor) {
-    let (own, words) = words;
+fn station(html: &mut Html, board: &Board, address: &Address, visitor: &Visitor) {
+    let (own, words) = board.words(address);
     html.raw("<details><summary>").text(words.say("engineer.new")).raw("</summary>");
     form(html, "class=\"order\"", address, visitor);
     html.element("<p>", words.say("engineer.new_help"), "</p>");
@@ -310,8 +310,8 @@ fn station(html: &mut Html, words: (&str, &Table), address: &Address, visitor: &
     html.raw("<input id=\"station\" name=\"station\" required maxlength=\"16\" pattern=\"[a-z0-9\\-]+\" autocapitalize=\"none\">");
     html.element("<label for=\"camera\">", words.say("engineer.camera"), "</label>");
     html.raw("<input id=\"camera\" name=\"camera\" value=\"/dev/video0\" maxlength=\"24\">");
-    let tables = Tables::shipped();
-    let languages = tables.languages().map(|(code, name)| (code, name, code));
+    let shipped = board.settings.tables.shipped_languages();
+    let languages = shipped.map(|(code, name)| (code, name, code));
     html.select("language", words.say("engineer.language"), own, languages);
     for number in 1..=PARTS {
         numbered(html, words, ("p", "engineer.part", number), "name=\"part\" maxlength=\"40\"", "");

@@ -64,7 +64,7 @@ fn told(html: &mut Html, board: &Board, words: &Table, address: &Address, verdic
         pairs.push(("label.part_id", verdict.part.text().to_owned()));
     }
     for (key, text) in pairs {
-        html.element("<div><dt>", words.say(key), "</dt>").element("<dd>", &text, "</dd></div>");
+        html.pair(words.say(key), &text);
     }
     html.element("<div><dt>", words.say("label.confirmed"), "</dt><dd class=\"confirm\">");
     confirmed::draw(html, board, words, address, verdict);

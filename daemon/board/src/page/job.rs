@@ -44,9 +44,8 @@ pub(super) fn draw_whole(
     address: &Address,
     visitor: &Visitor,
 ) {
-    html.raw("<main><p class=\"turns\"><a href=\"");
     let list = Address { at: String::new(), ..address.on(Page::Engineer) };
-    html.text(&list.link()).element("\">", words.say("engineer.back"), "</a></p>");
+    html.raw("<main><p class=\"turns\">").link(&list.link(), words.say("engineer.back")).raw("</p>");
     html.element("<h1>", words.say("label.job"), " ").element("", &address.at, "</h1>");
     order_form(html, address, visitor);
     draw(html, board, words, address);

@@ -87,7 +87,7 @@ fn fault(html: &mut Html, teller: &Teller<'_>, cause: &Verdict) {
     let step = teller.step_of(cause).map(|step| format!("{step} \u{2013} ")).unwrap_or_default();
     html.raw("<p class=\"what\">").text(&step).text(&teller.fault(cause)).raw("</p><dl>");
     for (key, text) in teller.pairs(cause) {
-        html.element("<div><dt>", teller.words.say(key), "</dt>").element("<dd>", &text, "</dd></div>");
+        html.pair(teller.words.say(key), &text);
     }
     html.raw("</dl>");
 }

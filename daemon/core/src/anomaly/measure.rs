@@ -55,9 +55,9 @@ impl IuObservation {
         let lateral_step_m = if is_way_inexact { ENDS as f32 * MOVED_M + unseen * speed } else { 0.0 };
         let is_lateral = lateral_m > iu.measures.max_lateral_m + lateral_step_m;
         // Where its beginning was not seen, the first stroke may have turned back elsewhere.
-        let elsewhere = if may_be_hidden { self.gap_before.min(1) } else { 0 };
+        let doubtful_turns = if may_be_hidden { self.gap_before.min(1) } else { 0 };
         let too_long = first(&[
-            (reversals.saturating_sub(elsewhere) > iu.reversals.max, Measure::Strokes),
+            (reversals.saturating_sub(doubtful_turns) > iu.reversals.max, Measure::Strokes),
             (min_frames > iu.frames.max, Measure::Duration),
             (is_lateral, Measure::LateralDeviation),
             (is_detour, Measure::Path),

@@ -35,11 +35,9 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         is_between_jobs: false,
     };
     let mut cycle = Cycle::new(node)?;
-    let mut job = jobs::chosen(config).or_else(|| config.station.job.clone());
-    if job.is_none() {
-        job = jobs::ordered(config);
-        ports.asked_by = "last order of an engineer";
-    }
+    let configured = jobs::chosen(config).or_else(|| config.station.job.clone());
+    let ordered = || jobs::ordered(config).inspect(|_| ports.asked_by = "last order of an engineer");
+    let mut job = configured.or_else(ordered);
     loop {
         let next = match &job {
             Some(path) => watch(path, config, &mut ports, &mut cycle)?,
