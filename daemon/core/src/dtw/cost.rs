@@ -40,8 +40,8 @@ pub struct LocalCosts {
     step: u32,
     /// Cost of directions whose numbers differ by as much; around the circle, a number above N is a bin as well.
     turn: [u32; 256],
-    /// Whether rest is the centre of a circle of directions, and not one more number.
-    is_circular: bool,
+    /// Cost of rest and a direction where rest is the centre of their circle; `None` where it is one more number.
+    rest: Option<u32>,
 }
 
 impl LocalCosts {
@@ -51,7 +51,7 @@ impl LocalCosts {
             scale,
             step,
             turn: core::array::from_fn(|apart| (apart * apart) as u32 * unit),
-            is_circular: false,
+            rest: None,
         };
         match cost {
             LocalCost::Ordinal => numbers(1, 1, 1),
@@ -64,7 +64,7 @@ impl LocalCosts {
                 let scale = circular_scale(bins);
                 let rounded =
                     |apart| libm::round(chord(apart % usize::from(bins), bins) * f64::from(scale)) as u32;
-                Self { scale, step: scale, turn: core::array::from_fn(rounded), is_circular: true }
+                Self { scale, step: scale, turn: core::array::from_fn(rounded), rest: Some(scale) }
             }
         }
     }
@@ -76,8 +76,8 @@ impl LocalCosts {
         let apart = |f: usize| a[f].abs_diff(b[f]);
         let number = |f: usize, unit: u32| u64::from(u32::from(apart(f)).pow(2)) * u64::from(unit);
         let direction = |f: usize| {
-            let is_either_at_rest = self.is_circular && (a[f] == 0) != (b[f] == 0);
-            u64::from(if is_either_at_rest { self.scale } else { self.turn[usize::from(apart(f))] })
+            let rest = self.rest.filter(|_| (a[f] == 0) != (b[f] == 0));
+            u64::from(rest.unwrap_or(self.turn[usize::from(apart(f))]))
         };
         let numbers = number(0, self.step) + number(3, self.scale) + number(6, self.scale);
         let directions = direction(1) + direction(2) + direction(4) + direction(5);

@@ -52,7 +52,7 @@ use andon_core::capacity::{ACTIVITIES, ACTIVITY_IUS, OBJECTS};
 use ius::Teacher;
 use leave_one_out::LeftOut;
 use people::People;
-use sampling::needed_rate_hz;
+use sampling::rates;
 use sequence::{Agreement, agree};
 use strength::Strengths;
 use trust::{odd_runs, too_few_frames, without_copies};
@@ -221,11 +221,11 @@ impl<'a> Teaching<'a> {
         Ok(())
     }
 
-    /// Measures how many frames per second the job needs.
+    /// Measures how many frames per second the job needs, and from how many on its runs are recognised.
     fn rate(&mut self) {
         if self.options.measure_rate {
-            self.report.job.min_rate_hz =
-                needed_rate_hz(&self.agreement.used_runs(&self.runs), &self.report.job);
+            let rates = rates(&self.agreement.used_runs(&self.runs), &self.report.job);
+            (self.report.job.min_rate_hz, self.report.recognised_hz) = (rates.min_hz, rates.recognised_hz);
         }
     }
 

@@ -65,6 +65,8 @@ pub struct TeachReport {
     pub(super) people: People,
     pub(super) ius: Vec<IuReport>,
     pub(super) job: JobFile,
+    /// From how many frames per second on the runs are recognised; 0 where that was not measured.
+    pub recognised_hz: f32,
 }
 
 impl TeachReport {
@@ -83,6 +85,7 @@ impl TeachReport {
             people: People::IN_GENERAL,
             ius: Vec::new(),
             job,
+            recognised_hz: 0.0,
         }
     }
 
@@ -299,14 +302,18 @@ impl TeachReport {
 
     /// Which runs the others would have rejected, and how many frames the job needs.
     pub(super) fn findings(&self) -> Vec<Statement> {
-        let min_rate_hz = self.job.min_rate_hz;
-        let rate = (min_rate_hz > 0.0).then(|| {
-            Statement::from(format!(
+        let (min_rate_hz, recognised_hz) = (self.job.min_rate_hz, self.recognised_hz);
+        let needs = || {
+            format!(
                 "the job needs {min_rate_hz:.1} of {:.1} frames per second; a step with fewer is not judged (overload)",
                 self.rate_hz()
-            ))
-        });
-        self.left_out.iter().cloned().chain(rate).collect()
+            )
+        };
+        let recognises =
+            || format!("with fewer than {recognised_hz:.1}, some of these runs would not be judged");
+        let rate = (min_rate_hz > 0.0).then(needs);
+        let rate = rate.into_iter().chain((recognised_hz > min_rate_hz).then(recognises));
+        self.left_out.iter().cloned().chain(rate.map(Statement::from)).collect()
     }
 
     /// Whether a sentence says where a run lies among the others.
