@@ -203,12 +203,14 @@ impl Scene {
             if matches!(before, ObjectContact::Rests | ObjectContact::Yes) {
                 return ObjectContact::Yes;
             }
-            return match self.passes(i, j, age) {
+            let Some(passes) = self.passes(i, j, age) else { return before };
+            return match passes {
                 // Where frames are missing, a contact is still believed after the two have parted.
-                Some(false) if is_near(age) => ObjectContact::Yes,
-                // Two that came together unseen may touch already.
-                Some(true) if !edge.was_known(age, self.method.persist_frames) => ObjectContact::Unknown,
-                _ => before,
+                [false, false] if is_near(age) => ObjectContact::Yes,
+                [false, false] => before,
+                // Two that came together unseen may touch already, and so may two that may have come to rest unseen.
+                [true, true] if edge.was_known(age, self.method.persist_frames) => before,
+                _ => ObjectContact::Unknown,
             };
         }
         if !is_held && before != ObjectContact::Rests {
@@ -232,11 +234,12 @@ impl Scene {
         }
     }
 
-    /// Whether one of two objects passes the other; `None` where their way was not measured.
-    fn passes(&self, i: usize, j: usize, age: usize) -> Option<bool> {
+    /// Whether one of two objects passes the other, if it stopped where frames of the window are missing, and if it went on at its pace. `None` where
+    /// their way was not measured.
+    fn passes(&self, i: usize, j: usize, age: usize) -> Option<[bool; 2]> {
         let (newest, path_m) = self.path_of_objects(i, j, age)?;
-        let frames = (age - newest) as f32;
-        Some(path_m * f32::from(self.method.persist_frames) / frames > self.method.object_contact.on_m)
+        let at_pace_m = path_m * f32::from(self.method.persist_frames) / (age - newest) as f32;
+        Some([path_m, at_pace_m].map(|moved_m| moved_m > self.method.object_contact.on_m))
     }
 
     /// The age of the window's last known frame, and how far two objects have moved relative to each other until then, in metres.
