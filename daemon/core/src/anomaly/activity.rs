@@ -332,10 +332,10 @@ impl<'a> OpenActivity<'a> {
             .collect()
     }
 
-    /// Whether its first IU is the first of a nominal activity.
+    /// Before its first IU: whether that is the first of a nominal activity.
     pub(super) fn is_beginning_seen(&self) -> bool {
         let mut all = self.places.iter().zip(self.job.activities);
-        self.ius == 0 && all.all(|(places, _)| places.is_certainly(0))
+        all.all(|(places, _)| places.is_certainly(0))
     }
 
     /// Whether it is certain which IUs of its candidates have come, and each was seen; after a fault, whether all before was judged. Behind an IU that

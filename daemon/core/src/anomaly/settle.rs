@@ -119,7 +119,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let may_go_on = progress.is_end_assumed()
             || self.doubt.may_hold_another()
             || !activity.may_have_come().is_empty()
-            || activity.is_out_of_sequence() && activity.unjudged.is_some();
+            || activity.is_out_of_sequence();
         let cause = activity.unjudged.unwrap_or_else(|| self.unseen_cause(progress));
         match activity.matched(progress) {
             Some(nominal) => self.conclude_matched(nominal, false, progress),
