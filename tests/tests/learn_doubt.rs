@@ -64,6 +64,32 @@ fn nothing_is_accused_for_what_was_not_seen() {
 }
 
 #[test]
+fn a_right_run_is_accused_at_no_frame_rate_although_the_job_asks_for_none() {
+    for seed in environment::known_and_drawn(KNOWN) {
+        let job = JobFile { min_rate_hz: 0.0, ..taught(seed) };
+        let people = environment::number("ANDON_PEOPLE", 4) as usize;
+        let right = right_runs(&job, seed, people, 1);
+        let right: Vec<&Recording> = right.iter().flat_map(|(_, runs)| runs).collect();
+        let [mut accused, mut tried] = [0; 2];
+        for [kept, of] in [[5, 6], [3, 4], [2, 3], [1, 2], [1, 3], [1, 4]] {
+            for (first, run) in (0..of).flat_map(|first| right.iter().map(move |run| (first, *run))) {
+                let mut thinned = run.clone();
+                let mut number = first;
+                thinned.frames.retain(|_| {
+                    number += 1;
+                    number * kept / of != (number - 1) * kept / of
+                });
+                tried += 1;
+                accused +=
+                    usize::from(judged(&job, &thinned).iter().any(|it| it.outcome == Outcome::Anomaly));
+            }
+        }
+        println!("seed {seed}: {accused} of {tried} accused");
+        assert_eq!(accused, 0, "seed {seed}");
+    }
+}
+
+#[test]
 fn after_any_fault_the_next_correct_job_is_right() {
     let seed = environment::seed();
     let job = taught(seed);
