@@ -140,9 +140,9 @@ pub(super) struct Meter {
     /// Frames with a position, and without one since the newest.
     known: u32,
     unknown: u32,
-    /// The newest position, and how far it is from the one in the frame before it, if that is known.
+    /// The newest position, and the mean step of a frame to it from the position before, zero if there was none.
     newest: Point,
-    pace: Option<Point>,
+    pace: Point,
     /// Frames without a position, weighted by what may have happened in them.
     hidden: f32,
     hidden_reversals: u32,
@@ -165,7 +165,9 @@ impl Meter {
             return;
         };
         self.cross_gap(Some(position));
-        self.pace = (self.known > 0 && self.unknown == 0).then(|| subtract(position, self.newest));
+        if !self.is_empty() {
+            self.pace = subtract(position, self.newest).map(|metres| metres / (self.unknown + 1) as f32);
+        }
         // What comes before the first position may have been the other way.
         let hidden_at_start = u32::from(self.is_empty() && self.unknown > 0);
         self.end_gap();
@@ -193,11 +195,10 @@ impl Meter {
         self.crossed_reversals += missing / FRAMES_PER_REVERSAL;
         let [straight, at_pace] = &mut self.paths;
         let (newest, pace) = (self.newest, self.pace);
-        let after = |frames: u32| pace.map_or(newest, |pace| along(newest, pace, frames as f32));
-        let pace_m = pace.map_or(0.0, norm);
+        let after = |frames: u32| along(newest, pace, frames as f32);
         let may_come_back = |frames: u32| {
             let left = (missing + 1 - frames) as f32;
-            behind.is_none_or(|behind| distance(after(frames), behind) <= HIDDEN_SLACK * pace_m * left)
+            behind.is_none_or(|behind| distance(after(frames), behind) <= HIDDEN_SLACK * norm(pace) * left)
         };
         let on = (1..=missing).rev().find(|frames| may_come_back(*frames)).unwrap_or(0);
         (1..=on).for_each(|frames| at_pace.push(after(frames), moved_m));
