@@ -280,7 +280,9 @@ impl Rates {
         interval(values, prior, false_alarms, self.people, strength)
     }
 
-    /// The same in the plane or in space: the spread is that of one axis.
+    /// The same in the plane or in space: the spread is that of one axis. Where work is done, and in which direction, the job says: people who differ
+    /// more in pace, strokes and pauses do not differ more in that. While they did, seven such people of one of nine drawn groups let all that was
+    /// rubbed across be right.
     fn around<const N: usize>(
         &self,
         values: &[[f32; N]],
@@ -288,9 +290,10 @@ impl Rates {
         false_alarms: f64,
         strength: Strength,
     ) -> Around<N> {
+        let people = People { one_person: self.people.one_person, ..People::IN_GENERAL };
         let axes: [(f64, f64); N] = std::array::from_fn(|axis| {
             let along: Vec<f64> = values.iter().map(|value| f64::from(value[axis])).collect();
-            self.interval(&along, prior, false_alarms, strength)
+            interval(&along, prior, false_alarms, people, strength)
         });
         let apart = axes.iter().map(|(_, apart)| apart.powi(2)).sum::<f64>().sqrt();
         Around { centre: axes.map(|(centre, _)| centre as f32), max: apart as f32 }
