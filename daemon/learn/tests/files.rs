@@ -202,6 +202,10 @@ fn what_another_tracker_writes_is_read_where_it_is_certain() {
         .map(|frame| (frame.captured_ns + 500_000) / 1_000_000)
         .collect();
     assert_eq!(times[..4], [0, 33, 67, 100]);
+    // Most frames are missing, and most that came are a second apart.
+    let sparse = |t: f64| (t * 30.0).round() - 0.5 * (t * 10.0 + 0.01).floor();
+    let sparse = tracked(|t, p, q| (sparse(t).to_string(), list(p), list(q)));
+    assert_eq!(recording::read("sparse", sparse.as_bytes()).unwrap().frames.len(), 60);
 }
 
 /// Python writes NaN where nothing was seen, and other programs null.

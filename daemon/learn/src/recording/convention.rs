@@ -141,8 +141,11 @@ impl Conventions {
             let times = step * self.rate_hz / factor;
             (1.0 / MAX_WRONG_RATE..=MAX_WRONG_RATE).contains(&times)
         };
-        // Frames that are numbered differ by exactly one. A camera that sends one picture per second has no such clock.
-        let numbers = Some(("frames", self.rate_hz)).filter(|_| step == 1.0 && self.rate_hz > MAX_WRONG_RATE);
+        // Frames that are numbered differ by exactly one, or by a whole number where some are missing. A camera that sends one picture per second has no
+        // such clock, and of one that sends few there may be two that are a second apart.
+        let are_numbered = step == 1.0 && steps.iter().all(|step| step.fract() == 0.0);
+        let numbers =
+            Some(("frames", self.rate_hz)).filter(|_| are_numbered && self.rate_hz > MAX_WRONG_RATE);
         match units.into_iter().find(|(_, factor)| is_meant(*factor)).or(numbers) {
             None => Ok(()),
             Some((unit, factor)) => Err(format!(
