@@ -153,8 +153,8 @@ impl TeachReport {
         let variety = self.people.variety;
         self.people.differ_more().then(|| {
             format!(
-                "those who showed the runs seem to differ {variety:.1} times as much as people in general, and bounds are as much wider. \
-                 Small faults are right then: where one run is not as the work should be, teach without it"
+                "those who showed the runs seem to differ {variety:.1} times as much as people in general, and bounds of times, strokes and \
+                 ways are as much wider. Small faults are right then: where one run is not as the work should be, teach without it"
             )
         })
     }
