@@ -54,8 +54,7 @@ impl IuObservation {
         let is_way_inexact = is_inexact || unseen > 0.0;
         let lateral_step_m = if is_way_inexact { ENDS as f32 * MOVED_M + unseen * speed } else { 0.0 };
         let is_lateral = lateral_m > iu.measures.max_lateral_m + lateral_step_m;
-        // Where its beginning was not seen, the first stroke may have turned back elsewhere.
-        let doubtful_turns = if may_be_hidden { self.gap_before.min(1) } else { 0 };
+        let doubtful_turns = if may_be_hidden { self.doubtful_turns() } else { 0 };
         let too_long = first(&[
             (reversals.saturating_sub(doubtful_turns) > iu.reversals.max, Measure::Strokes),
             (min_frames > iu.frames.max, Measure::Duration),

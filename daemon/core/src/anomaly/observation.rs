@@ -91,11 +91,16 @@ impl IuObservation {
         ]
     }
 
-    /// How often a motion with these measures may have reversed in addition, in frames that were not seen. Where its beginning was not, the first turn may
-    /// have been too near to where it was first seen to count.
+    /// How often a motion with these measures may have reversed in addition, in frames that were not seen.
     pub(super) fn possible_reversals(&self, measures: &Measures) -> u32 {
         let around = self.gap_before.saturating_add(self.may_go_on) / FRAMES_PER_REVERSAL;
-        measures.hidden_reversals.saturating_add(around.max(self.gap_before.min(1)))
+        measures.hidden_reversals.saturating_add(around.max(self.doubtful_turns()))
+    }
+
+    /// Where its beginning was not seen, the first stroke may have turned back elsewhere: one turn more, or less. It may have been too near to where it
+    /// was first seen to count.
+    pub(super) fn doubtful_turns(&self) -> u32 {
+        self.gap_before.min(1)
     }
 
     /// How many reversals were hidden within the IU, if the hand went on at the pace at which it was seen. None where too much was hidden to know.
