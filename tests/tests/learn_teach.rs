@@ -337,7 +337,9 @@ fn a_job_states_the_rate_at_which_its_own_runs_are_still_right_and_below_it_noth
         assert!(job_is(Outcome::NotJudged, &few), "person {person}");
         assert!(few.iter().all(|verdict| verdict.outcome != Outcome::Anomaly), "person {person}");
         assert!(few.iter().any(|verdict| verdict.reason == Reason::TooFewFrames), "person {person}");
-        assert!(!job_is(Outcome::Ok, &said(Flaw::J1, most + 2)), "person {person}");
+        for every in [every, most, most + 2] {
+            assert!(!job_is(Outcome::Ok, &said(Flaw::J1, every)), "person {person}, every {every}th frame");
+        }
     }
 }
 

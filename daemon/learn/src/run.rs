@@ -312,7 +312,7 @@ impl Run {
 
     /// The verdicts on this run if only one frame in a time of `1 / rate_hz` had been captured. The first one is at each of `phases` times. None
     /// where the job cannot be used.
-    pub(crate) fn judge_at(&self, rate_hz: f64, phases: u32, job: &JobFile) -> Vec<Vec<Verdict>> {
+    pub fn judge_at(&self, rate_hz: f64, phases: u32, job: &JobFile) -> Vec<Vec<Verdict>> {
         let began_ns = self.frames.first().map_or(0, |frame| frame.captured_ns);
         let shapes = job.shapes();
         let at_phase = |phase: u32| {

@@ -294,7 +294,7 @@ impl<'p> Line<'p> {
                 (digest(&message), couples)
             })
             .collect();
-        let knows_all = self.recorded.plan.is_from_start && self.recorded.plan.lost == 0;
+        let knows_all = self.recorded.plan.is_from_start && self.recorded.plan.lost.is_empty();
         let mut unvisited: VecDeque<MessageId> = sent.iter().map(|sent| sent.id).collect();
         for (index, (computed, couples)) in of_run.into_iter().enumerate() {
             let same = sent.iter().find(|sent| sent.digest == computed);

@@ -66,8 +66,8 @@ pub struct Plan {
     pub verdicts: Vec<Verdict>,
     /// Whether the recording has the very first frame that the encoder took, and the very first couples that the judge took.
     pub is_from_start: bool,
-    /// What the recorder did not get of what verdicts depend on.
-    pub lost: u64,
+    /// How many messages the recorder did not get of each channel that verdicts depend on; none where it got all.
+    pub lost: BTreeMap<&'static str, u64>,
     /// How the recording ended.
     pub end: End,
 }
@@ -86,7 +86,7 @@ struct Reading {
     commands: Vec<CommandMessage>,
     judgings: Vec<Judging>,
     verdicts: Vec<Verdict>,
-    lost: u64,
+    lost: BTreeMap<&'static str, u64>,
     end: Option<End>,
 }
 
@@ -174,7 +174,9 @@ impl Reading {
         self.commands.extend(next.commands);
         self.judgings.extend(next.judgings);
         self.verdicts.extend(next.verdicts);
-        self.lost += next.lost;
+        for (channel, lost) in next.lost {
+            *self.lost.entry(channel).or_default() += lost;
+        }
         self.end = next.end;
     }
 
@@ -197,8 +199,10 @@ impl Reading {
         {
             // Where the judge did what it did is known by what it says of itself.
             let matters = ["detections", "couple", "command", "judging", "recording"];
-            let matters = matters.contains(&losses.channel.as_str());
-            self.lost += if matters { losses.lost } else { 0 };
+            let channel = matters.into_iter().find(|channel| losses.lost > 0 && losses.channel == *channel);
+            if let Some(channel) = channel {
+                *self.lost.entry(channel).or_default() += losses.lost;
+            }
         }
     }
 

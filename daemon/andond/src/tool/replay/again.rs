@@ -107,8 +107,8 @@ fn tell(path: &Path, plan: &Plan, outcome: &Outcome, judged: &[Verdict], names: 
             }
         }
     }
-    if plan.lost > 0 {
-        eprintln!("{path}: {} messages did not reach the recorder, and verdicts may differ", plan.lost);
+    for (channel, lost) in &plan.lost {
+        eprintln!("{path}: {lost} messages of {channel} did not reach the recorder, and verdicts may differ");
     }
     if outcome.couples_differ > 0 {
         eprintln!(
