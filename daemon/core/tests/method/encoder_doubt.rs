@@ -1,8 +1,10 @@
 //! What the encoder says is in doubt: contacts that began or ended unseen, from frames of a scripted worker.
 
 use crate::common::bench::{Bench, encode, encode_shapes, shapes};
+use andon_core::config::Contact;
 use andon_core::couple::{Couple, Unseen, Visibility};
 use andon_core::input::{Frame, Side};
+use andon_core::object::ContactRegion;
 
 const TOOL: u16 = 5;
 const BOX: u16 = 7;
@@ -62,6 +64,27 @@ fn two_that_pass_so_slowly_that_they_may_have_stopped_in_a_missing_frame_may_tou
     let hidden = (95..110).map(|missed| passing(120, |frames| hide_all(&mut frames[missed..=missed])));
     let may_touch: Vec<Couple> = hidden.flatten().collect();
     assert!(!may_touch.is_empty() && may_touch.iter().all(|couple| couple.lacks(Unseen::CHANGE)));
+}
+
+/// Who stirs never rests.
+#[test]
+fn what_moves_for_less_than_the_contact_that_the_runs_show_touches() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.2, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.15, 0.04], 15);
+    let arrived = bench.frames.len();
+    for _ in 0..4 {
+        bench.go([0.25, 0.04], 12).go([0.15, 0.04], 12);
+    }
+    let frames_at_box = |contact: Option<Contact>| {
+        let mut shapes = shapes(&[TOOL, BOX]);
+        let met = contact.map(|contact| ContactRegion { with: TOOL, points: Default::default(), contact });
+        shapes[1].contact_regions.extend(met);
+        let couples = encode_shapes(&shapes, &bench.frames);
+        couples[arrived..].iter().filter(|couples| couples.hands[0].context.0[3] == BOX).count()
+    };
+    assert_eq!(frames_at_box(None), 0, "it passes by what it would touch within 3 cm");
+    let stirs = frames_at_box(Some(Contact { on_m: 0.08, off_m: 0.12 }));
+    assert!(stirs + 5 >= bench.frames.len() - arrived, "{stirs}");
 }
 
 #[test]

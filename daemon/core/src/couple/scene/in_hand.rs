@@ -239,7 +239,8 @@ impl Scene {
     fn passes(&self, i: usize, j: usize, age: usize) -> Option<[bool; 2]> {
         let (newest, path_m) = self.path_of_objects(i, j, age)?;
         let at_pace_m = path_m * f32::from(self.method.persist_frames) / (age - newest) as f32;
-        Some([path_m, at_pace_m].map(|moved_m| moved_m > self.method.object_contact.on_m))
+        let contact_m = self.object_contact(i, j).on_m;
+        Some([path_m, at_pace_m].map(|moved_m| moved_m > contact_m))
     }
 
     /// The age of the window's last known frame, and how far two objects have moved relative to each other until then, in metres.
