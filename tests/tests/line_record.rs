@@ -126,18 +126,23 @@ fn a_recorder_that_stands_still_while_commands_come_has_what_became_of_each() {
     plc.enable();
     watcher.until("a piece", |watcher| watcher.phase() == Some(JudgePhase::Running));
     line.role("record").signal(Signal::STOP);
+    let stopped = Instant::now();
     for _ in 0..4 {
         abort_and_start(&mut plc, &mut watcher);
     }
     line.role("record").signal(Signal::CONT);
+    // 32 messages of the judge wait for the recorder: some 12 of these commands, and two of its heartbeats a second.
+    let may_wait = stopped.elapsed() < Duration::from_secs(4);
     plc.control(control::ENABLE).unwrap();
     let before = watcher.verdicts.len();
     watcher.until("verdicts", |watcher| watcher.verdicts.len() >= before + 2);
     stop(&mut line);
     let of_replay = equal(&line, &only_recording(&line));
-    // A busy machine takes longer over the commands than frames wait for anyone. What the judge says of itself waits.
-    assert!(!of_replay.2.contains("messages of judging did not reach"), "{}", of_replay.2);
-    if !of_replay.2.contains("did not reach the recorder") {
+    let lacks = |what: &str| of_replay.2.contains(&format!("{what} did not reach the recorder"));
+    if lacks("messages of detections") {
+        // A busy machine takes longer over the commands than frames wait for anyone.
+        assert!(!(may_wait && lacks("messages of judging")), "{}", of_replay.2);
+    } else {
         are_all_equal(&line, before + 2, of_replay);
     }
 }
