@@ -110,11 +110,13 @@ impl Scene {
         let (usual, rest_m) = (&self.method.object_contact, self.rest_m());
         for (i, (one, edges)) in posed.iter().zip(&mut self.adjacent).enumerate() {
             for (j, (other, edge)) in posed.iter().zip(edges).enumerate().skip(i + 1) {
-                if !one.0.may_touch(other.0) {
+                let are_known = known[i] && known[j];
+                let are_far = are_known && !are_in_reach(extents[i], extents[j], usual);
+                if are_far || !one.0.may_touch(other.0) {
                     edge.push(f32::INFINITY, usual, persist);
-                } else if !(known[i] && known[j]) {
+                } else if !are_known {
                     edge.push_unknown();
-                } else if are_in_reach(extents[i], extents[j], usual) {
+                } else {
                     let (apart_m, contact) = (apart(one, other), contact_of(one.0, other.0, usual));
                     edge.push(apart_m, &contact, persist);
                     let rest = || rest_together([i, j].map(|object| &self.objects[object]), persist, rest_m);
@@ -122,8 +124,6 @@ impl Scene {
                     if !edge.is_known() && apart_m < middle_m && rest() {
                         edge.settle(persist);
                     }
-                } else {
-                    edge.push(f32::INFINITY, usual, persist);
                 }
             }
         }

@@ -191,10 +191,12 @@ impl Scene {
     }
 
     fn next_object_contact(&self, [i, j]: [usize; 2], is_held: bool, age: usize) -> ObjectContact {
-        if !self.objects[i].shape.may_touch(&self.objects[j].shape) {
+        let (edge, before) = (self.adjacent[i][j], self.object_contacts[i][j]);
+        // Most pairs lie apart, and nothing of their objects is needed to say so.
+        let lie_apart = !edge.is_believed() && !is_held && before != ObjectContact::Rests;
+        if lie_apart || !self.objects[i].shape.may_touch(&self.objects[j].shape) {
             return ObjectContact::No;
         }
-        let (edge, before) = (self.adjacent[i][j], self.object_contacts[i][j]);
         let is_near = |age: usize| {
             self.are_in_reach(i, j, age)
                 && self.distance_of_objects(i, j, age) <= self.object_contact(i, j).off_m
@@ -212,9 +214,6 @@ impl Scene {
                 [true, true] if edge.was_known(age, self.method.persist_frames) => before,
                 _ => ObjectContact::Unknown,
             };
-        }
-        if !is_held && before != ObjectContact::Rests {
-            return ObjectContact::No;
         }
         // Most pairs of which one is carried stay far apart.
         if before == ObjectContact::Brought && !is_near(age) {
