@@ -179,7 +179,7 @@ def tried(table, programs, chosen, conditions):
 
 def main():
     words = [word for word in sys.argv[1:] if word != "--wide"]
-    if not words:
+    if not words or words[0].startswith("-"):
         sys.exit(__doc__)
     folder, words = Path(words[0]).resolve(), words[1:]
     folder.mkdir(parents=True, exist_ok=True)

@@ -137,11 +137,11 @@ impl Channel {
             Self::Health => {
                 Qos { buffer: 4, history: 1, borrowed: 2, readers: 16, writers: 16, loans: 2, burst: 1 }
             }
-            // To all but the recorder only the newest counts. It needs each: what became of a command, and where. 32, because a PLC can give more than
-            // ten commands while a busy machine lets it wait. A history of 1, for a reader that starts later. 16 readers: five roles, those that are
-            // dead and not yet removed, the tools and programs in C.
+            // To all but the recorder only the newest counts. It needs each: what became of a command, and where. 64: in 20 s of a busy machine the judge
+            // repeats its state 40 times, and a PLC can give more than ten commands. A history of 1, for a reader that starts later. 16 readers: five
+            // roles, those that are dead and not yet removed, the tools and programs in C.
             Self::Judging => {
-                Qos { buffer: 32, history: 1, borrowed: 2, readers: 16, writers: 1, loans: 2, burst: 1 }
+                Qos { buffer: 64, history: 1, borrowed: 2, readers: 16, writers: 1, loans: 2, burst: 1 }
             }
             // Each writer keeps what was done while the journal was away. A person does less than that in such a time. 6 readers: journal, record,
             // board, and those that are dead and not yet removed.

@@ -1,6 +1,7 @@
 //! A Modbus client of plain bytes. It shares no code with the server.
 
 use super::PATIENCE;
+use shm_schemas::Refusal;
 use std::io::{self, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
@@ -118,6 +119,21 @@ impl Modbus {
             }
             assert!(Instant::now() < until, "load_job {job_id} is not answered");
             std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// Aborts what is running and loads a job. A worker who goes on may have begun the next piece before that: then once more. Panics after a minute,
+    /// and where it is refused for another reason.
+    pub fn abort_and_load_job(&mut self, job_id: u32) {
+        let until = Instant::now() + PATIENCE;
+        loop {
+            self.control(control::ENABLE | control::ABORT).unwrap();
+            self.enable();
+            let Some(refusal) = self.load_job(job_id) else { return };
+            // On a busy machine the command before may still be under way.
+            let may_pass = [Refusal::Busy, Refusal::TooMany].map(|one| u16::from(one.code()));
+            assert!(may_pass.contains(&refusal), "load_job {job_id}: {refusal}");
+            assert!(Instant::now() < until, "the worker is never between two pieces");
         }
     }
 
