@@ -33,13 +33,14 @@ use andon_core::object::ContactRegion;
 use andon_ipc::Station;
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::{self, Header};
+use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs;
 use std::io::BufWriter;
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::Output;
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -349,9 +350,11 @@ fn save(path: &Path, recording: &recording::Recording) {
     recording::write(&mut file, &recording.header, &recording.frames).unwrap();
 }
 
-/// A port that was free a moment ago.
+/// A port that was free a moment ago. No other line of this process has been given it.
 pub fn free_port() -> u16 {
-    TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()
+    static GIVEN: Mutex<BTreeSet<u16>> = Mutex::new(BTreeSet::new());
+    let free = || TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    std::iter::repeat_with(free).find(|port| GIVEN.lock().unwrap().insert(*port)).unwrap()
 }
 
 fn configuration(settings: Settings, root: &Path, port: u16, header: &Header) -> String {
