@@ -104,6 +104,6 @@ fn contradicted_scenes(seed: u64) -> (Vec<String>, usize) {
 /// Less observed is hardly ever certain of another touch than all observed, and never in the scenes that have always been tried.
 #[test]
 fn whoever_sees_less_and_is_certain_of_a_touch_agrees_with_who_sees_all() {
-    // It was 7 of 19,000, such as a hand that let go unseen while the other one carried the part the same way.
-    hardly_ever(0.001, "contradicted", contradicted_scenes);
+    // It was 1 of 16,000: which of two parts that touch was let go last, say, is not asked.
+    hardly_ever(0.0005, "contradicted", contradicted_scenes);
 }

@@ -140,10 +140,13 @@ impl Scene {
     }
 
     pub(super) fn are_in_reach(&self, i: usize, j: usize, age: usize) -> bool {
-        let [one, other] = [i, j].map(|object| {
-            let node = &self.objects[object];
-            (node.poses.ago(age).position, node.shape.radius_m)
-        });
+        self.reaches(i, self.objects[j].poses.ago(age).position, j, age)
+    }
+
+    /// Whether an object may meet another one that lies there.
+    pub(super) fn reaches(&self, object: usize, lies: Point, other: usize, age: usize) -> bool {
+        let [one, other] = [object, other].map(|object| &self.objects[object]);
+        let (one, other) = ((one.poses.ago(age).position, one.shape.radius_m), (lies, other.shape.radius_m));
         are_in_reach(one, other, &self.method.object_contact)
     }
 

@@ -69,8 +69,16 @@ impl Scene {
                 let leads = if edge.is_believed() { Some(false) } else { self.leads(hand, object, age) };
                 self.in_hand[hand][object] = self.next_in_hand(hand, object, leads, age);
                 let is_held = self.in_hand[hand][object] == InHand::Yes;
-                let is_led = is_held && (self.led[hand].contains(object) || leads == Some(true));
-                self.led[hand].set(object, is_led);
+                let is_led = self.led[hand].contains(object) || leads == Some(true);
+                self.led[hand].set(object, is_held && is_led);
+                // A hand that was hidden may have let go since. That the object moves with it says nothing where the other hand may move it.
+                let is_shared = matches!(self.in_hand[1 - hand][object], InHand::Yes | InHand::Unknown);
+                let may_have_let_go = is_held
+                    && match self.shared_unseen[hand].contains(object) {
+                        true => is_shared || !self.is_moved_by(hand, object, age),
+                        false => is_shared && !edge.was_known(age, self.method.persist_frames),
+                    };
+                self.shared_unseen[hand].set(object, may_have_let_go);
                 if self.in_hand[hand][object] == InHand::Unknown {
                     // The frame does not show what the hand acts on.
                     self.clear[hand] &= !(1 << age);
@@ -92,10 +100,15 @@ impl Scene {
                 let away_m = self.moves_away(hand, object, age);
                 away_m.is_some_and(|away_m| away_m > self.hand_contact(object).on_m)
             };
-            let stays = (edge.is_believed() || self.follows(hand, object, age)) && !leaves();
+            let is_known = self.relative_positions(hand, object, age).is_some();
+            let is_beyond = is_known && !self.is_within_reach(hand, object, age);
+            let follows = !is_beyond && self.follows(hand, object, age);
+            let stays = (edge.is_believed() || follows) && !leaves();
             return match (stays, edge.is_believed()) {
                 (true, _) => InHand::Yes,
                 (false, true) => InHand::Lingers { farthest_m: 0.0 },
+                // What was not measured may follow it.
+                (false, false) if self.relative_path(hand, object, age).is_none() => InHand::Unknown,
                 (false, false) => InHand::No,
             };
         }
@@ -128,8 +141,9 @@ impl Scene {
                     && self.in_hand[hand][other] != InHand::Yes
                     && !(self.in_hand[other_hand][other] == InHand::Yes && is_together())
         };
-        // Most objects rest, so this comes first.
-        let is_moved_along = self.goes_away(object, age)
+        // It goes farther than a contact is long while a change is believed: drift does not take it there. Most objects rest, so this comes first.
+        let moved = self.moved(age, |age| self.seen_object(object, age));
+        let is_moved_along = moved.is_some_and(|(_, path_m)| path_m > self.hand_contact(object).on_m)
             && (0..self.objects.len()).all(is_free)
             && self.in_hand[other_hand][object] != InHand::Yes
             && self.is_moved_by(hand, object, age);
@@ -144,12 +158,6 @@ impl Scene {
     /// Whether the object moves as this hand does, within its reach.
     fn is_moved_by(&self, hand: usize, object: usize, age: usize) -> bool {
         self.is_within_reach(hand, object, age) && self.follows(hand, object, age)
-    }
-
-    /// Whether an object has gone farther than a contact is long when a change would be believed: drift does not take it there.
-    fn goes_away(&self, object: usize, age: usize) -> bool {
-        let moved = self.moved(age, |age| self.seen_object(object, age));
-        moved.is_some_and(|(_, path_m)| path_m > self.hand_contact(object).on_m)
     }
 
     /// Whether a hand that has led an object has not been seen to move along it or away from it.

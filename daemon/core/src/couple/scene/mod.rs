@@ -99,6 +99,8 @@ pub(super) struct Scene {
     may_be_touched: [ObjectSet; HANDS],
     /// For each hand, the objects on which it may act instead of its `o_j`.
     alternatives: [ObjectSet; HANDS],
+    /// For each hand, the objects that its `o_j` may touch instead of its `o_l`.
+    alternative_neighbours: [ObjectSet; HANDS],
     /// The objects that no hand has attended for a while: none was seen anywhere since they were where they are known to have been.
     unattended: ObjectSet,
     hands: [Recent<HandPose>; HANDS],
@@ -110,6 +112,8 @@ pub(super) struct Scene {
     touches: [[Edge; OBJECTS]; HANDS],
     /// For each hand, whether it acts on the object.
     in_hand: [[InHand; OBJECTS]; HANDS],
+    /// For each hand, the objects that it acts on and may have let go unseen, while the other hand was at them.
+    shared_unseen: [ObjectSet; HANDS],
     /// For each hand, the objects that it has led since it has acted on them.
     led: [ObjectSet; HANDS],
     /// Between each two objects, the lower index first.
@@ -284,6 +288,7 @@ impl Scene {
                     | Unseen::MOVE.when(is_displaced);
             }
             self.update_alternatives(hand, before, age);
+            self.alternative_neighbours[hand] = self.alternative_neighbours(hand, before, age);
             let mut couple = self.couple(hand, interaction, age);
             // Nobody saw when the hand ended what it did before, so it may be doing already what comes after this.
             let is_assumed =
@@ -368,8 +373,9 @@ impl Scene {
         // Only now it is known which objects the context depends on.
         let is_clear = self.clear[hand] >> age & 1 == 1 && couple.visibility[1..] == [Visibility::Seen; 2];
         let is_doubtful = self.is_doubtful(hand, age)
-            || !couple.is_in_sight()
             || self.in_hand[hand].contains(&InHand::Unknown)
+            || j.is_some_and(|j| self.shared_unseen[hand].contains(j))
+            || !self.alternative_neighbours[hand].is_empty()
             || !is_known
             || self.may_have_left(hand, interaction, age)
             || self.may_have_met_or_parted(interaction, age);
