@@ -62,11 +62,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let is_whole = observation.assumed == 0 && observation.hidden() == 0.0 && !observation.may_be_part;
         let is_seen = is_whole && !open.is_concluded;
         let is_first = open.number == 0 && !activity.is_concluded;
-        let is_no_step = match next {
-            Some(next) if next != Context::IDLE => self.comparisons.has_moved_nothing(observation),
-            _ => self.may_be_no_step(open.context, observation),
-        };
-        if !is_first || !is_no_step || is_seen && next != Some(Context::IDLE) {
+        if !is_first
+            || !self.may_be_no_step(open.context, observation)
+            || is_seen && next != Some(Context::IDLE)
+        {
             return false;
         }
         if !is_seen {

@@ -42,7 +42,8 @@ impl IuObservation {
             *measures;
         // Which frames were seen decides where the steps of a path end, at each reversal and at last. So do errors, where nothing says how large
         // they are.
-        let is_inexact = hidden > 0.0 || may_be_hidden && drift_m == 0.0;
+        let is_noise_unknown = may_be_hidden && drift_m == 0.0;
+        let is_inexact = hidden > 0.0 || is_noise_unknown;
         let step_m = if is_inexact { (reversals + 1) as f32 * MOVED_M } else { 0.0 };
         let is_detour = if iu.measures.max_detour_m.is_finite() {
             detour_m > iu.measures.max_detour_m + step_m
@@ -74,7 +75,7 @@ impl IuObservation {
             return None;
         }
         // Where nothing says how large errors are, each end of a stroke may be wrong.
-        let cut_m = if may_be_hidden && drift_m == 0.0 { reversals as f32 * MOVED_M } else { 0.0 };
+        let cut_m = if is_noise_unknown { reversals as f32 * MOVED_M } else { 0.0 };
         let possible =
             Possible { share, hidden_m, cut_m, reversals: if may_be_hidden { hidden_reversals } else { 0 } };
         let elsewhere = first(&elsewhere_broken(measures, &iu.measures, possible));

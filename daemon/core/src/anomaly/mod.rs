@@ -316,16 +316,12 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         told.clear();
     }
 
-    /// How many frames of the grid after the newest couples these come, at least 1. Of a long gap, not all have couples.
-    fn frames_to(&mut self, captured_ns: u64) -> u32 {
-        let newest_ns = self.taken_ns.replace(captured_ns).unwrap_or(captured_ns);
-        let elapsed_ns = captured_ns.saturating_sub(newest_ns).saturating_add(self.period_ns / 2);
-        u32::try_from(elapsed_ns / self.period_ns).unwrap_or(u32::MAX).max(1)
-    }
-
     /// Takes how much the next couples show, and what has happened without a hand.
     fn observe(&mut self, couples: &Couples) {
-        let frames = self.frames_to(couples.captured_ns);
+        let newest_ns = self.taken_ns.replace(couples.captured_ns).unwrap_or(couples.captured_ns);
+        let elapsed_ns = couples.captured_ns.saturating_sub(newest_ns).saturating_add(self.period_ns / 2);
+        // Of a long gap, not all frames have couples.
+        let frames = u32::try_from(elapsed_ns / self.period_ns).unwrap_or(u32::MAX).max(1);
         let Self { segmenter, bench, .. } = self;
         bench.progress.watch(couples, frames);
         bench.progress.now_ns = couples.captured_ns;
@@ -437,13 +433,12 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
         self.progress.conclude(true);
     }
 
-    /// A hand has begun the next piece, and the IU of the other one ends with the job. While that hand keeps what it acts with, or a release state
-    /// lasts, it is still at it.
+    /// A hand has begun the next piece, and the IU of the other one ends with the job. While that hand keeps what it acts with, or that still touches
+    /// something, it is still at it.
     fn break_off_held(&mut self, event: segment::Event, couples: &Couples) {
         let segment::Event::Hand(side, HandEvent::IuEnded(iu)) = event else { return };
         let next = couples.hands[side.index()].context;
-        let keeps_part = next.is_touch() && next.0[..2] == iu.context.0[..2];
-        if keeps_part || next == iu.context {
+        if next != Context::IDLE && next.o_j() == iu.context.o_j() {
             self.hands[side.index()].break_off();
         }
     }

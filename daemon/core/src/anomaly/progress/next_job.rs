@@ -33,8 +33,7 @@ impl Progress<'_> {
         let (begins, may_begin) = if self.has_order() {
             let others_came = !(self.tried() | self.state.underway[side.index()]).without(first).is_empty();
             let first = opening & first;
-            let first_came = first.intersects(came) && (others_came || is_disturbed)
-                || first.intersects(self.state.wrong) && others_came;
+            let first_came = first.intersects(self.tried()) && (others_came || is_disturbed);
             let may_have_come = !self.state.is_start_seen && !first.intersects(self.undone());
             (first_came && !is_left, !first.is_empty() && may_have_come)
         } else {
