@@ -25,8 +25,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 let resumed = |it: Interrupted| OpenIu { ended_ns: None, ..it.open };
                 self.iu = self.interrupted.take().map(resumed);
             }
-            (HandEvent::IuFrame { motion, .. }, _) => self.push_motion(Some(&motion), progress),
-            (HandEvent::IuUnmeasured(_), _) => self.push_motion(None, progress),
+            (HandEvent::IuFrame { motion, .. }, _) => self.push_motion(&motion, progress),
+            (HandEvent::IuUnmeasured(_), _) => self.skip_motion(),
             (HandEvent::IuEnded(iu), _) => self.end_iu(&iu, couple.map(|couple| couple.context), progress),
             (HandEvent::ActivityEnded { .. }, _) => self.end_activity(progress),
             (HandEvent::IuBegan { .. }, None) | (HandEvent::Eru { .. }, _) => {}
@@ -219,13 +219,17 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
-    /// Takes the next filtered motion of the open IU. `None` where that of some frames is not known.
-    fn push_motion(&mut self, motion: Option<&Motion>, progress: &mut Progress<'a>) {
-        match motion {
-            _ if self.iu.is_none_or(|iu| iu.is_concluded) => {}
-            None => self.comparisons.append_unknown(),
-            Some(motion) if self.comparisons.append(motion).is_ok() => {}
-            Some(_) => self.conclude_unjudged(Reason::Overload, progress),
+    /// Takes the next filtered motion of the open IU.
+    fn push_motion(&mut self, motion: &Motion, progress: &mut Progress<'a>) {
+        if self.iu.is_some_and(|iu| !iu.is_concluded) && self.comparisons.append(motion).is_err() {
+            self.conclude_unjudged(Reason::Overload, progress);
+        }
+    }
+
+    /// The motion of the next frames of the open IU is not known.
+    fn skip_motion(&mut self) {
+        if self.iu.is_some_and(|iu| !iu.is_concluded) {
+            self.comparisons.append_unknown();
         }
     }
 

@@ -316,12 +316,16 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         told.clear();
     }
 
+    /// How many frames of the grid after the newest couples these come, at least 1. Of a long gap, not all have couples.
+    fn frames_to(&mut self, captured_ns: u64) -> u32 {
+        let newest_ns = self.taken_ns.replace(captured_ns).unwrap_or(captured_ns);
+        let elapsed_ns = captured_ns.saturating_sub(newest_ns).saturating_add(self.period_ns / 2);
+        u32::try_from(elapsed_ns / self.period_ns).unwrap_or(u32::MAX).max(1)
+    }
+
     /// Takes how much the next couples show, and what has happened without a hand.
     fn observe(&mut self, couples: &Couples) {
-        let newest_ns = self.taken_ns.replace(couples.captured_ns).unwrap_or(couples.captured_ns);
-        let elapsed_ns = couples.captured_ns.saturating_sub(newest_ns).saturating_add(self.period_ns / 2);
-        // Of a long gap, not all frames have couples.
-        let frames = u32::try_from(elapsed_ns / self.period_ns).unwrap_or(u32::MAX).max(1);
+        let frames = self.frames_to(couples.captured_ns);
         let Self { segmenter, bench, .. } = self;
         bench.progress.watch(couples, frames);
         bench.progress.now_ns = couples.captured_ns;

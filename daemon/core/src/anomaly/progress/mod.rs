@@ -11,7 +11,7 @@ use super::occlusion::{Cause, OcclusionLog};
 use crate::capacity::{EVENTS, HANDS};
 use crate::couple::{Context, Couple, Couples, Unseen};
 use crate::input::Side;
-use crate::job::{Job, Law, NominalIu};
+use crate::job::{Job, NominalIu};
 use crate::segment::Start;
 use crate::set::{ActivitySet, ObjectSet};
 use crate::verdict::{Note, Outcome, Reason, Verdict};
@@ -295,9 +295,7 @@ impl<'a> Progress<'a> {
             && activities.intersects(self.first())
             && !self.state.is_start_seen
         {
-            // What was not seen is assumed to keep to what came behind one of these in all runs, too many for chance.
-            let is_usual = |law: &Law| law.runs >= MIN_USUAL_RUNS && law.usually_after.intersects(activities);
-            let behind = activities | self.behind(activities) | self.job.whose_law(is_usual);
+            let behind = activities | self.behind(activities) | self.usually_behind(activities);
             self.state.is_start_seen = true;
             self.state.may_precede = self.state.may_precede.without(behind);
         }
@@ -361,6 +359,11 @@ impl<'a> Progress<'a> {
         let step =
             |set: ActivitySet| set | self.job.whose_law(|law| law.after().intersects(set | activities));
         self.all.iter().fold(ActivitySet::EMPTY, |set, _| step(set))
+    }
+
+    /// The activities that came behind one of these in all runs, too many for chance. What was not seen is assumed to keep to that.
+    fn usually_behind(&self, activities: ActivitySet) -> ActivitySet {
+        self.job.whose_law(|law| law.runs >= MIN_USUAL_RUNS && law.usually_after.intersects(activities))
     }
 
     fn has_order(&self) -> bool {

@@ -141,9 +141,8 @@ impl Scene {
                     && self.in_hand[hand][other] != InHand::Yes
                     && !(self.in_hand[other_hand][other] == InHand::Yes && is_together())
         };
-        // It goes farther than a contact is long while a change is believed: drift does not take it there. Most objects rest, so this comes first.
-        let moved = self.moved(age, |age| self.seen_object(object, age));
-        let is_moved_along = moved.is_some_and(|(_, path_m)| path_m > self.hand_contact(object).on_m)
+        // Most objects rest, so this comes first.
+        let is_moved_along = self.goes_away(object, age)
             && (0..self.objects.len()).all(is_free)
             && self.in_hand[other_hand][object] != InHand::Yes
             && self.is_moved_by(hand, object, age);
@@ -158,6 +157,12 @@ impl Scene {
     /// Whether the object moves as this hand does, within its reach.
     fn is_moved_by(&self, hand: usize, object: usize, age: usize) -> bool {
         self.is_within_reach(hand, object, age) && self.follows(hand, object, age)
+    }
+
+    /// Whether an object has gone farther than a contact is long when a change would be believed: drift does not take it there.
+    fn goes_away(&self, object: usize, age: usize) -> bool {
+        let moved = self.moved(age, |age| self.seen_object(object, age));
+        moved.is_some_and(|(_, path_m)| path_m > self.hand_contact(object).on_m)
     }
 
     /// Whether a hand that has led an object has not been seen to move along it or away from it.
